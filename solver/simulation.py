@@ -57,7 +57,7 @@ from .output.writer import (
 )
 from .phases import Phases
 from .plausibility import severe_doubts
-from .schema.entry import LARGEST
+from .schema.entry import LARGEST_NUMBER
 from .signals.signal import values_of
 from .start.initial import InitialState, initialize, lower_to_start
 from .start.removed import RemovedRows
@@ -313,7 +313,7 @@ def _columns(samples: list[Array], n: int) -> Array:
 
 def _bearable(samples: Array) -> Array:
     """Samples in which what would overflow is no number, which stops the step that meets it."""
-    return np.where(np.abs(samples) <= LARGEST, samples, np.nan)
+    return np.where(np.abs(samples) <= LARGEST_NUMBER, samples, np.nan)
 
 
 def failure(

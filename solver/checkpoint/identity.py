@@ -23,7 +23,7 @@ from ..laws.law import LAWS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
 from ..model.model import Model
-from ..schema.entry import Beside, Entry, note
+from ..schema.entry import Entry, Flattened, note
 from ..schema.tables import declared, key_of
 from ..signals.recorded import Recorded, RecordedSpline
 from ..step.system import Laws
@@ -181,7 +181,7 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         for field, hint in declared(type(value)):
             if isinstance(value, RigidBody) and field.name == LOOKS:
                 continue
-            below = key if note(hint, Beside) else f"{key}.{key_of(field, hint)}"
+            below = key if note(hint, Flattened) else f"{key}.{key_of(field, hint)}"
             yield from _flat(below, getattr(value, field.name))
     elif isinstance(value, Mapping):
         for name, item in value.items():

@@ -16,8 +16,9 @@ GROUND = "ground"
 """the name of space among the bodies"""
 Inertia = Callable[[Array | None], float]
 """the reduced mass of both sides [kg]; with an axis (3,) in space, that of inertias about it"""
-COINCIDENT = 1e-12
-"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
+# relative to coordinates: rounding of the starting poses, some 1e-16 of them, leaves a shorter
+# distance no direction
+COINCIDENT_DISTANCE = 1e-12
 
 
 class Coupling:
@@ -108,6 +109,7 @@ class Coupling:
 
     def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
         """The frames of `side_names` on which it puts moments, and why, as messages say it."""
+        # Rows of lengths act by forces through the origins of their frames.
         if all(measures_length(row.kind) for row in rows):
             return {}
         return dict.fromkeys(side_names(self), self.described)
@@ -135,7 +137,8 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
 def length_of(coupling: Coupling, sides: Sides) -> float:
     """The distance of two frames at the start [m], which must not be zero."""
+    # The row of a distance divides by it.
     length = float(np.linalg.norm(sides.gap(np.eye(3))))
-    if length <= COINCIDENT * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
+    if length <= COINCIDENT_DISTANCE * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
         raise coupling.error(f"its ends {list(coupling.between)} coincide at the start")
     return length

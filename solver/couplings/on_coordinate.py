@@ -89,4 +89,6 @@ class OnCoordinate(Coupling):
         """That of the coordinate."""
         (own,) = sides
         row = self.joint.observed(own)[self.coordinate]
+        # A coordinate seen from B has its signs from there: forces are recorded on the side of the
+        # joint.
         return replace(row, swapped=row.frame_a != own.frame_a)

@@ -48,6 +48,7 @@ class Sides:
     """frame A is fixed in space"""
 
     def swapped(self) -> "Sides":
+        # `fixed_a` is dropped: once swapped, frame A is that of the body.
         return Sides(self.frame_b, self.frame_a, self.pose_b, self.pose_a)
 
     def carried(self, basis: Array) -> tuple[Array, Array]:
@@ -110,7 +111,7 @@ class Row:
     """what the coordinate is measured from"""
     axis: tuple[SmoothSignal, ...] = ()
     """the components of a, of a row of an attitude"""
-    drawn: float | None = None
+    reference: float | None = None
     """the coordinate where the bodies are placed, of a driven one unless it is the drive's start"""
     terms: tuple["Term", ...] = ()
 
@@ -131,5 +132,5 @@ class Term:
 
     row: Row
     ratio: float
-    own: bool = False
+    same_frames: bool = False
     """between the frames of the coupling itself"""

@@ -156,7 +156,7 @@ def lower(
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         term_starts=np.array([t.row.start for r in laid_out for t in r.terms], dtype=float),
         drives=drives,
-        drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
+        drive_starts=np.array([x for row in laid_out for x in _drive_starts(row)], dtype=float),
         load_signals=[load.signal for load in _loads_of(model)],
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
@@ -188,9 +188,9 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
     return rows
 
 
-def _drawn(row: Row) -> list[float]:
+def _drive_starts(row: Row) -> list[float]:
     """The values of the drives of a row where the bodies are placed."""
-    return [drive(0.0) if row.drawn is None else row.drawn for drive in row.drives]
+    return [drive(0.0) if row.reference is None else row.reference for drive in row.drives]
 
 
 def _bristles(

@@ -48,7 +48,7 @@ def _lay_out_terms(couplings: Sequence[list[Row]]) -> Terms:
         ratio=np.array([term.ratio for term, _, _ in terms], dtype=np.float64),
         row=as_index([before[j] + i for _, i, j in terms]),
         number=as_index([i for _, i, _ in terms]),
-        own=as_index([j if term.own else -1 for term, _, j in terms]),
+        own=as_index([j if term.same_frames else -1 for term, _, j in terms]),
         range=as_index(np.cumsum([0, *(len(row.terms) for rows in couplings for row in rows)])),
     )
 

@@ -10,8 +10,8 @@ import numpy as np
 from ...superelement import Rotation, Superelement
 from ...superelement.rotation import INERTIA
 from ..arrays import Array
-from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ABSENT, ORIGIN, FrameName, Inertia, Name, Positive, Vector
+from ..schema.entry import Entry, Flattened, entry
+from ..schema.values import NO_ARRAY, ZERO_VECTOR, FrameName, Inertia, Name, Positive, Vector
 from .body_shapes import AnyBodyShape
 
 SecondOrder = Literal["auto", "full", "off"]
@@ -26,8 +26,8 @@ class Frame(Entry):
     position (3,) [m] and rotation vector (3,) [rad], in body axes.
     """
 
-    position: Vector = ORIGIN
-    rotation: Vector = ORIGIN
+    position: Vector = ZERO_VECTOR
+    rotation: Vector = ZERO_VECTOR
 
 
 @entry(eq=True)
@@ -51,11 +51,11 @@ class Start(Entry):
     [rad/s].
     """
 
-    position: Vector = ORIGIN
-    rotation: Vector = ORIGIN
+    position: Vector = ZERO_VECTOR
+    rotation: Vector = ZERO_VECTOR
     place: Place | None = None
-    velocity: Vector = ORIGIN
-    angular_velocity: Vector = ORIGIN
+    velocity: Vector = ZERO_VECTOR
+    angular_velocity: Vector = ZERO_VECTOR
 
     def validate(self) -> None:
         if self.place is not None and (self.position.any() or self.rotation.any()):
@@ -75,15 +75,17 @@ class RigidBody(Entry):
     mass: Positive
     inertia: Inertia
     frames: Mapping[str, Frame] = field(default_factory=dict)
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
-    shape: AnyBodyShape | None = ABSENT
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
+    shape: AnyBodyShape | None = NO_ARRAY
 
     def validate(self) -> None:
         frames = {
             name: frame if isinstance(frame, Frame) else Frame(frame)
             for name, frame in self.frames.items()
         }
+        # The class is frozen: here alone, while it is made, positions become frames.
         object.__setattr__(self, "frames", frames)
+        # A real body has J_3 <= J_1 + J_2; a plate has equality, which rounding may exceed.
         principal = np.linalg.eigvalsh(self.inertia).tolist()
         if not principal[0] > 0.0:
             raise self.error(f"inertia: expected positive principal values, got {principal}")
@@ -122,7 +124,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     """
 
     superelement: Superelement
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
     source: str = ""
     second_order: SecondOrder = "auto"
 
@@ -137,6 +139,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     @property
     def rotation(self) -> Rotation | None:
         """The terms of second order, None where it has none."""
+        # "auto" and "full" are the same here: `validate` has refused "full" without such terms.
         return None if self.second_order == "off" else self.superelement.rotation
 
     @property
@@ -165,7 +168,7 @@ class RigidSuperelement(_OfSuperelement, Entry):
     """
 
     superelement: Superelement
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
     source: str = ""
 
     def validate(self) -> None:

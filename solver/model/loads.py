@@ -38,6 +38,7 @@ class Load(Entry, metaclass=ByType):
     @classmethod
     def of_type(cls, type: str, on: str, *given: Any, **keys: Any) -> "Load":
         """The load of a type that model files know."""
+        # Asked at each call, for users may have declared kinds of their own since.
         kinds = kinds_of(cls)
         if type not in kinds:
             known = ", ".join(map(repr, kinds))

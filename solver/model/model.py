@@ -19,7 +19,7 @@ from ..couplings.springs import Spring
 from ..couplings.stops import Stop
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import NONE, ORIGIN, Several, Vector
+from ..schema.values import NO_ITEMS, ZERO_VECTOR, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .loads import AnyLoad, Load, PatternLoad
 from .settings import Settings
@@ -41,16 +41,16 @@ class Model(Entry):
     """
 
     bodies: Mapping[str, Body]
-    joints: Several[Joint] = NONE
-    loads: Several[AnyLoad] = NONE
-    springs: Several[Spring] = NONE
-    motions: Several[PrescribedMotion] = NONE
+    joints: Several[Joint] = NO_ITEMS
+    loads: Several[AnyLoad] = NO_ITEMS
+    springs: Several[Spring] = NO_ITEMS
+    motions: Several[PrescribedMotion] = NO_ITEMS
     _: KW_ONLY
-    contacts: Several[Contact] = NONE
-    stops: Several[Stop] = NONE
-    motors: Several[Motor] = NONE
-    couplers: Several[Coupler] = NONE
-    gravity: Vector = ORIGIN
+    contacts: Several[Contact] = NO_ITEMS
+    stops: Several[Stop] = NO_ITEMS
+    motors: Several[Motor] = NO_ITEMS
+    couplers: Several[Coupler] = NO_ITEMS
+    gravity: Vector = ZERO_VECTOR
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
     source: str = ""
@@ -60,6 +60,7 @@ class Model(Entry):
         if not isinstance(self.settings, Settings):
             raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_bodies()
+        # Names are given before they are checked: a number must not meet a name that a user gave.
         self._name()
         self._check_names()
         self._check_starts()
@@ -103,6 +104,7 @@ class Model(Entry):
         ModelError for what acts on a joint, or on a coordinate of one, that there is not.
         """
         joints = {joint.name: joint for joint in self.joints}
+        # The order numbers the rows of the step: results and checkpoints rely on it.
         parts: tuple[Named, ...] = (
             *self.joints,
             *self.motions,
@@ -156,6 +158,7 @@ class Model(Entry):
         taken = {entry.name for entries in self._named.values() for entry in entries}
         for kind, entries in self._named.items():
             if any(entry.name == "" for entry in entries):
+                # The class is frozen: only while it is made may a field be set.
                 object.__setattr__(self, f"{kind}s", numbered(kind, entries, taken))
 
     def _check_names(self) -> None:
@@ -233,6 +236,8 @@ class Model(Entry):
         if frame and frame not in frames:
             known = ", ".join(frames) or "none"
             raise ModelError(f"{owner}: no frame {frame!r} on {body!r}; it has: {known}")
+        # The center of mass of a flexible body is no material point, so that nothing can be fixed
+        # to it.
         if not frame and body != GROUND and isinstance(self.bodies[body], FlexibleBody):
             raise ModelError(
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
@@ -259,6 +264,8 @@ def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any,
         prefix = item.type if kind in ("joint", "coupler") else kind
         counts[prefix] += 1
         if item.name == "":
+            # Counting starts at the place of its kind, so that names stay the same when another
+            # gets one.
             numbers = itertools.count(counts[prefix])
             name = next(n for k in numbers if (n := f"{prefix} {k}") not in taken)
             taken.add(name)

@@ -51,12 +51,12 @@ def assemble_joints(
     """Move the bodies until constraints and targets hold; ModelError if a joint stays open."""
     numbers, goal = _split(targets)
     start = _coordinates(lowered, state, work)[numbers]
-    driven, drawn = work.drives.value.copy(), lowered.drive_starts
-    largest = max(np.abs(goal - start).max(initial=0.0), np.abs(driven - drawn).max(initial=0.0))
+    driven, placed = work.drives.value.copy(), lowered.drive_starts
+    largest = max(np.abs(goal - start).max(initial=0.0), np.abs(driven - placed).max(initial=0.0))
     stages = max(1, int(np.ceil(largest / LARGEST_TURN)))
     for stage in range(1, stages + 1):
         part = stage / stages
-        work.drives.value[:] = driven if stage == stages else drawn + part * (driven - drawn)
+        work.drives.value[:] = driven if stage == stages else placed + part * (driven - placed)
         _close(lowered, state, work, targets, start + part * (goal - start))
 
 

@@ -107,7 +107,10 @@ def test_gravity_in_other_units_is_doubted(gravity, unit):
             "joints.pivot.angle.amplitude",
             lambda a: {"joints": [replace(HINGE, angle=Harmonic(a, 5.0))]},
         ),
-        ("joints.pivot.drawn.angle", lambda a: {"joints": [replace(HINGE, drawn={"angle": a})]}),
+        (
+            "joints.pivot.reference_coordinates.angle",
+            lambda a: {"joints": [replace(HINGE, reference_coordinates={"angle": a})]},
+        ),
         (
             "motions.m.angle.amplitude",
             lambda a: {"motions": [PrescribedRotation("m", "hub", [0, 0, 1], Harmonic(a, 5.0))]},
