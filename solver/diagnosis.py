@@ -30,8 +30,8 @@ LARGE_FLIGHT = 10.0
 """displacement in a step over the size of the model that no motion of it has"""
 NEARLY_DEPENDENT = 0.03
 """singular value of the Jacobian of joints, with rows of length one, of a pose next to singular"""
-INVOLVED = 0.1
-"""share of a row in a dependence from which on it is named"""
+# share of a row in a dependence; more rows than cause it would hide those that do
+MIN_NAMED_SHARE = 0.1
 FEW_ITERATIONS = 10
 COARSE_BRISTLE = 1e-3
 """rounding of a bristle's force, over that at which it slips, which hides whether it does"""
@@ -54,7 +54,7 @@ def likely_cause(lowered: LoweredModel, state: State, work: Workspace, time: flo
     if given:
         return given
     _predict(failure)
-    found = (find(failure) for find in CAUSES)
+    found = (find(failure) for find in FAILURE_CAUSES)
     return next((cause for cause in found if cause), unsettled)
 
 
@@ -138,7 +138,7 @@ def _dependence(failure: Failure) -> str:
     least = float(values[-1]) if len(J) <= J.shape[1] else 0.0
     if not least < NEARLY_DEPENDENT:
         return ""
-    rows = constraint_rows(lowered.system)[np.abs(left[:, -1]) > INVOLVED].tolist()
+    rows = constraint_rows(lowered.system)[np.abs(left[:, -1]) > MIN_NAMED_SHARE].tolist()
     driven = any(lowered.system.couplings.drive[i] >= 0 for i in rows)
     ask = "; its drive asks for a pose that the mechanism cannot reach, or passes with two ways on"
     return f"a singular pose, in which depend on one another {describe_rows(lowered, rows)}" + (
@@ -219,4 +219,4 @@ def _iterations(failure: Failure) -> str:
     return f"max_iterations = {limit} are few" if limit < FEW_ITERATIONS else ""
 
 
-CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)
+FAILURE_CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)

@@ -21,12 +21,12 @@ from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
 
-FORMAT = "duhamel-state"
-VERSION = 2
-SUFFIX = ".checkpoint"
-DIGEST = 32
-"""bytes of a SHA-256"""
-KINDS = ("f8", "i8")
+STATE_FORMAT = "duhamel-state"
+STATE_VERSION = 2
+STATE_SUFFIX = ".checkpoint"
+# of a SHA-256
+STATE_DIGEST_BYTES = 32
+ARRAY_KINDS = ("f8", "i8")
 """types of arrays; complex ones are pairs of numbers"""
 
 
@@ -54,8 +54,8 @@ class StateFile:
         text = self.identity.to_text()
         with h5py.File("image", "w", driver="core", backing_store=False) as file:
             file.attrs.update(
-                format=FORMAT,
-                version=VERSION,
+                format=STATE_FORMAT,
+                version=STATE_VERSION,
                 created_by=f"duhamel {metadata.version('duhamel')}",
                 step=self.snapshot.step,
                 run=self.run,
@@ -76,7 +76,7 @@ def read_state(path: Path) -> StateFile:
         _check_format(file)
         text = _array(file, "identity", "u1").tobytes().decode()
         names = _names(file["arrays"])
-        arrays = {name: _array(file, f"arrays/{name}", *KINDS) for name in names}
+        arrays = {name: _array(file, f"arrays/{name}", *ARRAY_KINDS) for name in names}
         attributes = dict(file.attrs)
         return StateFile(
             Snapshot(int(attributes.pop("step")), arrays),
@@ -95,17 +95,17 @@ def _whole(path: Path) -> io.BytesIO:
     """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
     require_regular(path)
     content = path.read_bytes()
-    image, digest = content[:-DIGEST], content[-DIGEST:]
+    image, digest = content[:-STATE_DIGEST_BYTES], content[-STATE_DIGEST_BYTES:]
     if hashlib.sha256(image).digest() != digest:
         raise StateError("damaged, or no state: the digest at its end is not that of its contents")
     return io.BytesIO(image)
 
 
 def _check_format(file: h5py.File) -> None:
-    if (found := file.attrs.get("format")) != FORMAT:
-        raise StateError(f"attribute format: expected {FORMAT!r}, found {found!r}")
-    if (version := int(file.attrs.get("version", 0))) != VERSION:
-        raise StateError(f"state of version {version}; this Duhamel reads version {VERSION}")
+    if (found := file.attrs.get("format")) != STATE_FORMAT:
+        raise StateError(f"attribute format: expected {STATE_FORMAT!r}, found {found!r}")
+    if (version := int(file.attrs.get("version", 0))) != STATE_VERSION:
+        raise StateError(f"state of version {version}; this Duhamel reads version {STATE_VERSION}")
 
 
 def _names(group: h5py.Group) -> list[str]:

@@ -29,21 +29,22 @@ from ..signals.recorded import Recorded, RecordedSpline
 from ..step.system import Laws
 from .layout import Layout, layout_of
 
-FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
+FREE_KEYS = ("simulation.t_end", "simulation.checkpoint", "source", "path")
 """beginnings of keys that may change between a run and its continuation"""
-TABLES = {
+KEY_OF_FIELD = {
     "settings": "simulation",
     "ground_frames": "ground.frames",
     "gravity": "simulation.gravity",
 }
 """fields of a model by the keys of files"""
-LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
+# Other versions may round otherwise, and a run would not go on to the bit.
+NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
 BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance", "outline"})
 """fields of superelements that no step reads"""
-LOOKS = "shape"
+SHAPE_FIELD = "shape"
 """the field of rigid bodies that no step reads"""
-LONGEST = 60
-"""characters of a value in a message"""
+# characters in a message
+MAX_QUOTED_VALUE = 60
 
 
 @dataclass(frozen=True)
@@ -140,12 +141,12 @@ def first_change(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
 
 def _short(value: Any) -> str:
     text = repr(value)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return text if len(text) <= MAX_QUOTED_VALUE else f"{text[: MAX_QUOTED_VALUE - 3]}..."
 
 
 def software() -> dict[str, str]:
     """Versions of what computes, the processor, and the compiled code."""
-    names = ("duhamel", *LIBRARIES)
+    names = ("duhamel", *NUMERICAL_LIBRARIES)
     return {name: metadata.version(name) for name in names} | {
         "processor": processor(),
         "code of the time step": code_key(),
@@ -160,9 +161,9 @@ def contents_of(model: Model) -> dict[str, Any]:
     """The values of a model by the keys of its file, but for those that may change."""
     contents: dict[str, Any] = {}
     for field, _ in declared(Model):
-        key = TABLES.get(field.name, field.name)
+        key = KEY_OF_FIELD.get(field.name, field.name)
         contents |= _flat(key, getattr(model, field.name))
-    return {key: value for key, value in contents.items() if not key.startswith(FREE)}
+    return {key: value for key, value in contents.items() if not key.startswith(FREE_KEYS)}
 
 
 def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -179,7 +180,7 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield f"{key}.file", f"{type(value).__name__} {digest_of(value.points)}"
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):
-            if isinstance(value, RigidBody) and field.name == LOOKS:
+            if isinstance(value, RigidBody) and field.name == SHAPE_FIELD:
                 continue
             below = key if note(hint, Flattened) else f"{key}.{key_of(field, hint)}"
             yield from _flat(below, getattr(value, field.name))

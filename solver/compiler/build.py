@@ -39,11 +39,11 @@ from numba.extending import intrinsic, models, register_model
 
 from .calls import call_intrinsic
 from .foreign import call_by_address
-from .marks import COMPILED, ENTRIES, MARK, Entry
+from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS, OBJECT_MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
 
-OPTIONS = {
+NUMBA_OPTIONS = {
     "nopython": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract"},
@@ -51,17 +51,19 @@ OPTIONS = {
     "_nrt": False,
 }
 """sums may be reordered, for vector instructions; nothing else is relaxed"""
-OPTIMIZATION = 1
-"""of LLVM; at 3 it takes a second more, and a step as long as at 1"""
-NEEDLESS = frozenset({InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites})
+# At 3 LLVM takes a second more, and a step as long as at 1.
+LLVM_OPTIMIZATION = 1
+NEEDLESS_PASSES = frozenset(
+    {InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites}
+)
 """passes over what compiled functions have not: closures, inlined functions, array expressions"""
-KNOWN = frozenset(
+KNOWN_FUNCTIONS = frozenset(
     {"atan2", "cos", "exp", "log", "pow", "sin", "sincos", "sqrt", "memcpy", "memset"}
 )
 """functions of the C library that compiled code may call"""
 
 WORD, DOUBLE, BYTES = ir.IntType(64), ir.DoubleType(), ir.IntType(8).as_pointer()
-INDEX = ir.IntType(32)
+INDEX_TYPE = ir.IntType(32)
 
 
 class StructType(types.Type):  # type: ignore[misc]
@@ -81,7 +83,7 @@ class View(types.Type):  # type: ignore[misc]
 
 
 def main() -> None:
-    """Write the object file of all entries to standard output, after `MARK`.
+    """Write the object file of all entries to standard output, after `OBJECT_MARK`.
 
     What numba or others print goes to standard error.
     """
@@ -89,7 +91,7 @@ def main() -> None:
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        output.write(MARK + build())
+        output.write(OBJECT_MARK + build())
 
 
 def build() -> bytes:
@@ -121,13 +123,13 @@ def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
     target.refresh()
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
-    for function in COMPILED:
-        if function in INTRINSICS:
-            typing.insert_global(function, typing.resolve_value_type(INTRINSICS[function]))
+    for function in COMPILED_FUNCTIONS:
+        if function in QUICK_INTRINSICS:
+            typing.insert_global(function, typing.resolve_value_type(QUICK_INTRINSICS[function]))
             continue
-        dispatchers[function] = _Inner(function, {}, dict(OPTIONS), pipeline_class=pipeline)
+        dispatchers[function] = _Inner(function, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
-    for entry in ENTRIES.values():
+    for entry in COMPILED_ENTRIES.values():
         typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
     return dispatchers
 
@@ -138,7 +140,7 @@ def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
     module = ir.Module("entries")
     module.triple = llvm.get_process_triple()
     module.data_layout = target.codegen()._data_layout
-    for entry in ENTRIES.values():
+    for entry in COMPILED_ENTRIES.values():
         dispatcher = dispatchers[entry.function]
         arguments = tuple(_numba_type(kind) for kind in entry.arguments.values())
         dispatcher.compile(arguments)
@@ -153,12 +155,12 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
     for library in _with_linked(libraries):
         final.link_in(library._get_module_for_linking(), preserve=True)
     for function in final.functions:
-        if not function.is_declaration and function.name not in ENTRIES:
+        if not function.is_declaration and function.name not in COMPILED_ENTRIES:
             function.linkage = "internal"
     for variable in final.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"
-    missing = {f.name for f in final.functions if f.is_declaration} - KNOWN
+    missing = {f.name for f in final.functions if f.is_declaration} - KNOWN_FUNCTIONS
     if strange := [name for name in missing if not name.startswith("llvm.")]:
         raise LookupError(f"undefined functions: {sorted(strange)}")
     for variable in final.global_variables:
@@ -172,7 +174,7 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
 def _optimize(module: Any, machine: Any) -> None:
     # straight code is not turned into vector instructions: it makes the step a tenth slower
     if hasattr(llvm, "create_pass_builder"):
-        tuning = llvm.create_pipeline_tuning_options(speed_level=OPTIMIZATION)
+        tuning = llvm.create_pipeline_tuning_options(speed_level=LLVM_OPTIMIZATION)
         tuning.loop_vectorization, tuning.slp_vectorization = True, False
         builder = llvm.create_pass_builder(machine, tuning)
         builder.getModulePassManager().run(module, builder)
@@ -204,7 +206,7 @@ def _target_machine() -> Any:
     return target.create_target_machine(
         cpu=llvm.get_host_cpu_name(),
         features=features,
-        opt=OPTIMIZATION,
+        opt=LLVM_OPTIMIZATION,
         reloc="static",
         codemodel="jitdefault",
         jit=True,
@@ -239,7 +241,7 @@ class _Pipeline(CompilerBase):  # type: ignore[misc]
         self.state.library = _Library(self.state.targetctx.codegen(), name)
         self.libraries.append(self.state.library)
         manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        manager.passes = [each for each in manager.passes if each[0] not in NEEDLESS]
+        manager.passes = [each for each in manager.passes if each[0] not in NEEDLESS_PASSES]
         manager.finalize()
         return [manager]
 
@@ -289,7 +291,7 @@ def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any
     first, kind = typ.cls.layout[attr]
 
     def word(k: int, type_: Any) -> Any:
-        place = builder.gep(pointer, [INDEX(8 * k)], inbounds=True)
+        place = builder.gep(pointer, [INDEX_TYPE(8 * k)], inbounds=True)
         value = builder.load(builder.bitcast(place, type_.as_pointer()), align=8)
         # words never change while compiled code runs: LLVM may move and merge these loads
         value.set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -298,7 +300,7 @@ def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any
     if kind in (float, int, bool):
         return word(first, DOUBLE if kind is float else WORD)
     if not isinstance(kind, ArrayField):
-        return builder.gep(pointer, [INDEX(8 * first)], inbounds=True)
+        return builder.gep(pointer, [INDEX_TYPE(8 * first)], inbounds=True)
     data = word(first, (DOUBLE if kind.dtype == np.float64 else WORD).as_pointer())
     numbers = iter(range(first + 1, first + kind.n_words))
     shape = [WORD(dim) if isinstance(dim, int) else word(next(numbers), WORD) for dim in kind.dims]
@@ -432,7 +434,7 @@ def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, An
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
-INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
+QUICK_INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
 """what stands for functions that are not compiled as they are written"""
 
 

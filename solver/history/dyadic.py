@@ -1,6 +1,6 @@
 """Convolution of past loads by FFT in dyadic blocks, each as soon as it is complete.
 
-    after step n, with b = BLOCK 2^l the largest that divides n:   for i = 1 .. b
+    after step n, with b = DIRECT_STEPS 2^l the largest that divides n:   for i = 1 .. b
         ahead[n + i] += sum_{j = n-b+1..n} g[n + i - j] p_j
 
 Together with the sum over the present block, which the time loop takes, these squares tile all
@@ -22,8 +22,8 @@ from ..step.system import Elastic, State
 
 Complex: TypeAlias = NDArray[np.complex128]
 
-BLOCK = 128
-"""steps whose loads the time loop sums directly: about where the sum costs as much as the FFT"""
+# steps whose loads the time loop sums directly: about where the sum costs as much as the FFT
+DIRECT_STEPS = 128
 
 
 class Window:
@@ -60,7 +60,7 @@ class DyadicConvolution:
     def steps_until_due(self, step: int, n: int) -> int:
         """The number of steps, up to n, that may follow `step` before `update` is due."""
         if self._by_fft:
-            n = min(n, BLOCK - step % BLOCK)
+            n = min(n, DIRECT_STEPS - step % DIRECT_STEPS)
         elif self._elastic.kernels.lags.any():
             n = min(n, self._window.span - step % self._window.span)
         return n
@@ -69,7 +69,7 @@ class DyadicConvolution:
         """Convolve the loads up to the last step, and drop those older than the kernels."""
         n = int(state.step[0])
         self._window.shift(n, state)
-        if n > 0 and n % BLOCK == 0:
+        if n > 0 and n % DIRECT_STEPS == 0:
             for e in self._by_fft:
                 block = min(n & -n, power_above(int(self._elastic.kernels.lags[e])))
                 self._convolve(e, n, block, state)
@@ -99,7 +99,7 @@ class DyadicConvolution:
 
 def power_above(lags: int) -> int:
     """The smallest block of at least so many lags."""
-    block = BLOCK
+    block = DIRECT_STEPS
     while block < lags:
         block *= 2
     return block

@@ -21,10 +21,10 @@ from .packing import packed
 from .second_order import lay_out_second_order, lengths_of
 from .truncation import truncate, truncation_error
 
-LONGEST = 1e15
-"""steps of a kernel that anybody may ask for"""
-COPIES = 3
-"""of a kernel in memory while it is laid out"""
+# beyond, integers of 8 bytes might overflow before memory is compared with what is there
+MAX_KERNEL_STEPS = 1e15
+# in memory while it is laid out
+KERNEL_COPIES = 3
 LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
@@ -238,7 +238,7 @@ def _choose_history(
     h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
     form = "recursive" if stepping.ratio > 1 else str(settings.history)
     wanted = settings.kernel_length
-    length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
+    length = n_steps if wanted is None else round(min(wanted / h, MAX_KERNEL_STEPS))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
         elements = 0 if element.modes is None else elements_of(element.modes.chain)
@@ -260,7 +260,7 @@ def _choose_history(
 
 def _check_memory(name: str, n_c: int, lags: int) -> None:
     """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
-    if lacking := shortage(8.0 * lags * (2 * COPIES * n_c * n_c + n_c)):
+    if lacking := shortage(8.0 * lags * (2 * KERNEL_COPIES * n_c * n_c + n_c)):
         raise ModelError(
             f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
             "or `memory`, or history = 'recursive', takes less"

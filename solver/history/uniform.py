@@ -26,7 +26,7 @@ class UniformConvolution:
     """Updates `state.past.u_ahead` during a run whose steps prepare the next one at their end."""
 
     def __init__(self, elastic: Elastic) -> None:
-        self._block = dyadic.BLOCK
+        self._block = dyadic.DIRECT_STEPS
         self._window = dyadic.Window(elastic)
         self._bodies = [
             _BodyConvolution(elastic, e, self._block)

@@ -23,18 +23,18 @@ from .motion import Motion
 from .pose import Pose
 from .validity import LinearValidity
 
-STILL = 1e-8
-"""of the largest spin, at which pairs of modes at rest are told apart"""
+# of the largest spin: pairs of modes at rest, which coincide, are told apart there
+NEGLIGIBLE_SPIN = 1e-8
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
-FAINT = 1e-3
-"""share of the axis in the motion of a mode, below which it does not whirl"""
-ALIKE = 1e-4
-"""relative difference of eigenvalues of modes that count as one"""
-INDEPENDENT = 1e6
-"""condition of modes that coincide, above which they are taken as they are"""
-LEAST = 12
-"""modes that are looked for"""
+# of the axis in the motion of a mode; below, it does not whirl
+MIN_AXIS_SHARE = 1e-3
+# relative difference of eigenvalues
+COINCIDENT_MODES = 1e-4
+# of modes that coincide, above which they are taken as they are
+MAX_MODE_CONDITION = 1e6
+# more than asked for, so that modes that cross are followed
+MIN_MODES_SOUGHT = 12
 FORWARD, BACKWARD, NONE = "forward", "backward", "none"
 
 
@@ -117,7 +117,7 @@ def campbell(
     axis = rotation.angular_velocity / np.linalg.norm(rotation.angular_velocity)
     found = []
     with Progress(Work("Campbell diagram", len(speeds), "speeds"), shown=progress) as work:
-        for speed in np.maximum(speeds, STILL * speeds[-1]).tolist():
+        for speed in np.maximum(speeds, NEGLIGIBLE_SPIN * speeds[-1]).tolist():
             linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
             found.append(_slowest_in_space(linear, modes))
             work.advance()
@@ -136,7 +136,7 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
 
     A mode at f in space is seen at up to f + spin from the mechanism: so far modes are found.
     """
-    asked = max(2 * n, LEAST)
+    asked = max(2 * n, MIN_MODES_SOUGHT)
     while True:
         modes = linear.modes(asked)
         points = sorted(_points(linear, modes), key=lambda point: point[1])[:n]
@@ -166,7 +166,7 @@ def _alike(modes: LinearModes) -> Iterator[list[int]]:
     group: list[int] = []
     for k in range(modes.rigid, len(modes)):
         value = modes.values[k]
-        if group and abs(value - modes.values[group[-1]]) > ALIKE * abs(value):
+        if group and abs(value - modes.values[group[-1]]) > COINCIDENT_MODES * abs(value):
             yield group
             group = []
         group.append(k)
@@ -185,7 +185,7 @@ def _whirls(
     form, pose = linear.first_order, linear.equations.pose
     y = modes.y[:, members]
     R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
-    if np.linalg.cond(R) > INDEPENDENT:
+    if np.linalg.cond(R) > MAX_MODE_CONDITION:
         R = np.eye(len(members))
     motion = linear.motion(y @ np.linalg.inv(R))
     with_spin, against, whole = _circles(motion, pose)
@@ -195,7 +195,7 @@ def _whirls(
     for x in combined.T:
         p, m = (float((np.abs(part @ x) ** 2).sum()) for part in (with_spin, against))
         value = complex(x.conj() @ values @ x)
-        if p + m <= FAINT * float((x.conj() @ whole @ x).real):
+        if p + m <= MIN_AXIS_SHARE * float((x.conj() @ whole @ x).real):
             yield NONE, value
         else:
             yield FORWARD if p >= m else BACKWARD, value

@@ -37,8 +37,8 @@ from .tangent import Sizes, Tangent, tangent_of
 
 Bodies = Literal["dynamic", "static", "rigid"]
 """how flexible bodies deform"""
-SINGULAR = 1e-13
-"""reciprocal condition, rows and columns scaled, below which equations count as singular"""
+# reciprocal, with rows and columns scaled
+SINGULAR_CONDITION = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +222,9 @@ class Factors:
         with warnings.catch_warnings(action="ignore", category=LinAlgWarning):
             self.lu = lu_factor(scaled, check_finite=False)
         pivots = np.abs(np.diag(self.lu[0]))
-        self.conditioned = bool(pivots.min(initial=1.0) > SINGULAR * pivots.max(initial=1.0))
+        self.conditioned = bool(
+            pivots.min(initial=1.0) > SINGULAR_CONDITION * pivots.max(initial=1.0)
+        )
 
     def solve(self, b: Any, pi: Any) -> Response:
         """Amplitudes under b (n_r + n_a + n_i, n) on the right; pi (n_l, n): loads that are given.

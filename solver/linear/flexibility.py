@@ -20,8 +20,8 @@ from ..model.bodies import FlexibleBody
 from .pose import Pose
 
 Matrix = NDArray[np.float64] | NDArray[np.complex128]
-LEFT = 1e-3
-"""of a kernel at its end, relative to its largest response: below, it counts as decayed"""
+# at its end, relative to its largest response
+DECAYED_KERNEL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +83,12 @@ class KernelBody:
     def _check(self, kernel: Kernel) -> None:
         largest = np.abs(kernel.g).max()
         left = float(np.abs(kernel.g[-max(len(kernel.g) // 16, 1) :]).max() / largest)
-        if left > LEFT:
+        if left > DECAYED_KERNEL:
             raise ModelError(
                 f"body {self.name!r}: superelement {self.element.name!r} is known by a kernel "
                 f"alone, which after {kernel.length:.3g} s still has {left:.1g} of its largest "
-                f"response: a transfer function needs one that has decayed to {LEFT:g}, or modes"
+                "response: a transfer function needs one that has decayed to "
+                f"{DECAYED_KERNEL:g}, or modes"
             )
 
 

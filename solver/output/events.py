@@ -9,7 +9,7 @@ from ..lower.lower import LoweredModel
 from ..step.couplings import spring_energy
 from ..step.system import State, Workspace
 
-COLUMNS = [quantity.attribute for quantity in EVENTS]
+EVENT_COLUMNS = [quantity.attribute for quantity in EVENTS]
 
 
 def waiting(state: State) -> EventRows:
@@ -30,7 +30,8 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
     """Contacts that are closed, as if they ended now: what only an opening tells is no number."""
     contacts, couplings = state.contacts, lowered.system.couplings
     closed = np.flatnonzero(contacts.steps)
-    values = np.full((len(closed), len(COLUMNS)), np.nan)
+    # What only the opening tells, as the speed of separation, stays nan.
+    values = np.full((len(closed), len(EVENT_COLUMNS)), np.nan)
     stored = [spring_energy(couplings, int(couplings.contact[k]), state, work) for k in closed]
     known: dict[str, Array | Index] = {
         "start": contacts.begin[closed],
@@ -39,8 +40,9 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
         "peak": contacts.peak[closed],
         "impulse": contacts.impulse[closed],
         "closing_speed": contacts.closing_speed[closed],
+        # The contact still stores energy, which is not lost: its work less that.
         "dissipated": (contacts.work - contacts.work_done)[closed] - np.array(stored),
     }
     for name, column in known.items():
-        values[:, COLUMNS.index(name)] = column
+        values[:, EVENT_COLUMNS.index(name)] = column
     return EventRows(closed.astype(np.int64), values)

@@ -87,6 +87,7 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
     declaring: Any = kind
+    former = {name: key for key, name in former_keys(declaring).items() if key in table}
     try:
         table = renamed(table, former_keys(declaring))
     except ModelError as error:
@@ -107,7 +108,17 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
                 raise _owned(kind, values, f"{field.name}: {error}") from error
         elif (left_out := note(hint, DefaultInFile)) is not None:
             values[field.name] = left_out.value
-    return kind(**values)
+    try:
+        return kind(**values)
+    except ModelError as error:
+        raise ModelError(_by_keys_of_file(str(error), former)) from error
+
+
+def _by_keys_of_file(message: str, former: Mapping[str, str]) -> str:
+    """A message with the key that the file has, where that is a former name."""
+    for name, key in former.items():
+        message = message.replace(f"{name}:", f"{key}, now {name}:")
+    return message
 
 
 def _read(hint: Any, value: Any) -> Any:

@@ -2,8 +2,8 @@
 
 Signals that have `antiderivatives`, and compositions of such, are integrated in closed form.
 Others, as products, are series of Legendre polynomials between their breaks, on panels that are
-halved until the series has converged to `TOLERANCE` of the largest value so far. Panels begin at
-t = 0 and do not depend on the times that are asked for.
+halved until the series has converged to `SERIES_TOLERANCE` of the largest value so far. Panels
+begin at t = 0 and do not depend on the times that are asked for.
 """
 
 from typing import Any

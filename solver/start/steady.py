@@ -51,6 +51,7 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
     """
     speed = float(np.linalg.norm(rotation.angular_velocity))
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    # expm1: z - 1 would cancel in slow rotation.
     z, step = np.exp(1j * speed * h), np.expm1(1j * speed * h)
     slope = (1.0 - gamma) + gamma * z
     square = slope + ((0.5 - beta) + beta * z) * step
@@ -67,6 +68,7 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
         center=rotation.center,
         velocity=_turned(v, axis),
         pseudo_acceleration=_turned(a, axis),
+        # The imaginary part is the dissipation along the path.
         acceleration=_turned(v_dot.real, axis),
     )
 

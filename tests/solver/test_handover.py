@@ -31,7 +31,7 @@ FIRST, LAST = 37, 80
 
 @pytest.fixture(autouse=True)
 def _small_blocks(monkeypatch):
-    monkeypatch.setattr("duhamel.solver.history.dyadic.BLOCK", 8)
+    monkeypatch.setattr("duhamel.solver.history.dyadic.DIRECT_STEPS", 8)
 
 
 def first_run(model, path):

@@ -126,6 +126,7 @@ def test_settings_are_keyword_only_and_come_before_the_file():
         "output": "KEYWORD_ONLY",
         "progress": "KEYWORD_ONLY",
         "resume": "KEYWORD_ONLY",
+        "force": "KEYWORD_ONLY",
         "anyway": "KEYWORD_ONLY",
     }
     with pytest.raises(ModelError, match=re.escape("settings: expected Settings, got 'out.h5'")):
