@@ -52,6 +52,8 @@ class StateFile:
 
     def _image(self) -> bytes:
         text = self.identity.to_text()
+        # Made in memory: the digest is of the whole image, which then goes to the disk in one
+        # piece.
         with h5py.File("image", "w", driver="core", backing_store=False) as file:
             file.attrs.update(
                 format=STATE_FORMAT,
@@ -95,6 +97,7 @@ def _whole(path: Path) -> io.BytesIO:
     """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
     require_regular(path)
     content = path.read_bytes()
+    # Checked before HDF5 sees the file, whose library may crash on damaged ones.
     image, digest = content[:-STATE_DIGEST_BYTES], content[-STATE_DIGEST_BYTES:]
     if hashlib.sha256(image).digest() != digest:
         raise StateError("damaged, or no state: the digest at its end is not that of its contents")
@@ -111,6 +114,7 @@ def _check_format(file: h5py.File) -> None:
 def _names(group: h5py.Group) -> list[str]:
     """The arrays in a group and below it, links not followed."""
     names: list[str] = []
+    # `visit` does not follow links, which might lead out of the file.
     group.visit(names.append)
     return [name for name in names if isinstance(group[name], h5py.Dataset)]
 
@@ -118,6 +122,7 @@ def _names(group: h5py.Group) -> list[str]:
 def _array(file: h5py.File, name: str, *kinds: str) -> Any:
     """An array that lies in the file as a whole, so that it is no larger than the file."""
     dataset = file[name]
+    # A small file may declare terabytes, compressed or not stored at all.
     stored = dataset.id.get_storage_size() == dataset.nbytes and dataset.chunks is None
     if not stored or dataset.external or dataset.is_virtual or dataset.dtype not in kinds:
         raise StateError(f"{name}: expected numbers in one piece, found {dataset}")

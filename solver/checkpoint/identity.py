@@ -79,6 +79,7 @@ class Identity:
 
     def check_model(self, model: Model) -> None:
         """`StateError` that names what has changed in versions, machine and model."""
+        # The state has been through JSON: tuples are lists there, on both sides now.
         is_now = json.loads(json.dumps(contents_of(model)))
         if change := first_change(self.software, software()) or first_change(self.model, is_now):
             raise StateError(change)
@@ -129,6 +130,7 @@ def identity_of(lowered: LoweredModel) -> Identity:
 
 def first_change(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """The first key with another value, in words; "" if there is none."""
+    # In the order of the file, so that the first change is the one a user finds first.
     for key in [*was, *(key for key in now if key not in was)]:
         if key not in now:
             return f"{key}: was {_short(was[key])}, is no longer there"
@@ -200,6 +202,7 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, Callable):  # type: ignore[arg-type]
         return f"function {getattr(value, '__qualname__', type(value).__qualname__)}"
+    # Of a Python function only the name is known: its code may change unnoticed.
     return value if isinstance(value, str | int | float | bool | tuple | None) else repr(value)
 
 
@@ -218,6 +221,7 @@ def _parts(value: Any) -> Iterator[bytes]:
                 yield field.name.encode()
                 yield from _parts(getattr(value, field.name))
     elif isinstance(value, np.ndarray):
+        # Bytes alone would make arrays of other shapes equal.
         yield repr((value.dtype.str, value.shape)).encode()
         yield np.ascontiguousarray(value).tobytes()
     elif isinstance(value, tuple):
@@ -245,6 +249,7 @@ def _without_addresses(laws: Laws) -> Array:
     """The parameters of force laws, with 0 for what is another number in every process."""
     parameters = laws.parameters.copy()
     for first, number in zip(laws.first.tolist(), laws.number.tolist(), strict=False):
+        # Laws of users are called by their address, which each process chooses anew.
         parameters[first : first + LAWS[number].addresses] = 0.0
     return parameters
 
@@ -281,6 +286,7 @@ def _check_kernel(
     now = _kernel(e, lowered, was[1])
     if was[0] != now[0]:
         raise StateError(f"body {name!r}: its history was {was[0]}, is {now[0]}")
+    # A longer run may cut kernels off that were whole before; that alone would be no reason.
     if was[2] != now[2] and was[3] != now[3]:
         raise StateError(
             f"body {name!r}: memory: its impulse responses are cut off in the longer run, and were "

@@ -118,16 +118,19 @@ def _lines_between(
     rotations = (rows[:, None] + np.arange(3)).ravel()
     n = len(turning)
     C = element.compliance[np.ix_(rotations, rotations)].reshape(n, 3, n, 3).transpose(0, 2, 1, 3)
+    # The 3 x 3 blocks on the diagonal.
     own = np.einsum("iiab->iab", C)
     i, j = np.triu_indices(n, 1)
     apart = points[j] - points[i]
     length = np.linalg.norm(apart, axis=1)
     distinct = length > 1e-6 * element.size
     i, j, e = i[distinct], j[distinct], apart[distinct] / length[distinct, None]
+    # How far opposite unit moments at both ends turn these against each other.
     relative = own[i] + own[j] - C[i, j] - C[j, i]
     across = np.eye(3) - e[:, :, None] * e[:, None, :]
     softness = np.linalg.eigvalsh(across @ relative @ across)[:, -1] / np.pi**2
     chosen: list[Array] = []
+    # Directions that are nearly parallel tell the same: the softest stands for them.
     for k in np.argsort(-softness):
         if len(chosen) < AXIAL_DIRECTIONS and all(
             abs(e[k] @ other) < PARALLEL_COSINE for other in chosen

@@ -57,6 +57,7 @@ def _mean_reach(n_steps: int, lags: int) -> float:
     """Mean number of past loads in the sum of a step."""
     if lags >= n_steps:
         return 0.5 * n_steps
+    # The sum grows to `lags` terms, then stays; the mean over the run.
     return lags * (1.0 - 0.5 * lags / n_steps)
 
 

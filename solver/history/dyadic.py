@@ -43,6 +43,7 @@ class Window:
         """Drop the older half if step n has filled the window."""
         if n - state.past.first[0] == 2 * self.span:
             for rows in (state.past.p, state.past.u_ahead):
+                # Halving makes shifts rare: each load is copied once at most.
                 rows[:, : self.span + 1] = rows[:, self.span : 2 * self.span + 1]
                 rows[:, self.span + 1 :] = 0.0
             state.past.first[0] += self.span
@@ -71,6 +72,7 @@ class DyadicConvolution:
         self._window.shift(n, state)
         if n > 0 and n % DIRECT_STEPS == 0:
             for e in self._by_fft:
+                # n & -n is the largest power of two that divides n.
                 block = min(n & -n, power_above(int(self._elastic.kernels.lags[e])))
                 self._convolve(e, n, block, state)
                 state.past.since[e] = n + 1
@@ -80,10 +82,12 @@ class DyadicConvolution:
         loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         now = n - int(state.past.first[0])
+        # Twice the block: padding with zeros keeps the cyclic convolution from wrapping around.
         loads = fft.rfft(state.past.p[loaded, now - block + 1 : now + 1], 2 * block)
         columns = self._spectrum(e, block)[:, loaded - dofs.start]
         response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
         ahead = state.past.u_ahead[dofs, now + 1 : now + 1 + block]
+        # At the end of the window fewer steps are left than a block has.
         ahead += response[:, : ahead.shape[1]]
 
     def _spectrum(self, e: int, block: int) -> Complex:

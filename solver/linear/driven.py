@@ -28,6 +28,7 @@ def driven_at(model: Model, rotation: SteadyRotation) -> dict[str, Any]:
 
     def moves(signal: Callable[[float], float]) -> bool:
         start = signal(0.0)
+        # Exactly: a constant that is computed is the same at all times.
         return any(signal(t) != start for t in times)
 
     rates = {joint.name: joint.angular_rate(velocity) for joint in model.joints}

@@ -72,11 +72,13 @@ class KernelBody:
 
     def transfer(self, s: complex) -> Matrix:
         if s == 0.0:
+            # The sum of a truncated kernel misses what comes after its end.
             return self.element.complete_compliance[:, self.loaded]
         kernel = self.kernel
         self._check(kernel)
         d = _delay(kernel, s)
         powers = d ** np.arange(len(kernel.g))
+        # H(s) = sum_n g_n d^n: the z-transform at z = 1 / d.
         values: Matrix = np.tensordot(powers, kernel.g[:, :, self.loaded], axes=1)
         return values
 
@@ -114,6 +116,7 @@ def _delay(kernel: Kernel, s: complex) -> complex:
         value = np.sqrt(kernel.scheme.symbols(kernel.h, d)[0])
         change = 1e-6 * d
         ahead = np.sqrt(kernel.scheme.symbols(kernel.h, d + change)[0])
+        # Of the two roots of sigma, that on the side of s.
         value, ahead = (root * np.sign((root * np.conj(s)).real) for root in (value, ahead))
         step = (s - value) / ((ahead - value) / change)
         d += step

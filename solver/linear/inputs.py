@@ -70,6 +70,7 @@ def channels(model: Model, lowered: LoweredModel, names: Sequence[str]) -> list[
     found, added = [], len(model.frame_loads)
     for name in names:
         if _is_unit_load(name):
+            # Unit loads were appended to the model in the order of the names.
             found.append(Channel(name, (added,), unit=LOAD_UNITS[name.partition(":")[0]]))
             added += 1
         else:
@@ -87,6 +88,7 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         return Channel(name, (_numbers(model, lowered)[number - 1],), unit=load.unit)
     if kind == "motor":
         return _motor(model, name, rest)
+    # A name without a kind is that of an `Input`, which may move several things at once.
     drives = _drives(lowered)
     if kind == "drive":
         if rest not in drives:
@@ -157,6 +159,7 @@ def _drives(lowered: LoweredModel) -> dict[str, int]:
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
         if (couplings.rows.kind[first:last] == ATTITUDE).any():
             continue
+        # A set that keeps its order: rows of a motion may share a drive.
         numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
@@ -190,11 +193,13 @@ def _shifted(pose: Pose, channel: Channel, change: float) -> Array:
     saved = [array.copy() for array in values]
     moved = (channel.loads, channel.drives, [3 * m for m in channel.motors])
     for array, numbers in zip(values, moved, strict=True):
+        # Three values of each motor: the first is what it gives without an error.
         array[list(numbers)] += change
     pose.evaluate(pose.system)
     for array, old in zip(values, saved, strict=True):
         array[:] = old
     residual = work.bodies.residual.copy()
+    # Forces in body axes, as the unknowns delta X are.
     residual[:, :3] = np.einsum("bji,bj->bi", state.bodies.R, residual[:, :3])
     pi = state.interfaces.p[pose.system.elastic.loaded]
     return np.concatenate([residual.ravel(), pi, work.couplings.phi])

@@ -133,6 +133,7 @@ class LinearModel:
     def _with(self, inputs: Sequence[str]) -> tuple[Equations, list[Channel]]:
         """The equations, with frames for the unit loads among the inputs."""
         model = with_loads(self.model, inputs)
+        # Without unit loads the equations of the model are those that are known already.
         if len(model.loads) == len(self.model.loads):
             equations = self.equations
         else:
@@ -154,5 +155,6 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
     with about(model.path):
+        # Evaluated now, so that a model that cannot be linearized fails here and not later.
         _ = linear.equations
     return linear

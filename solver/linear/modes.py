@@ -58,6 +58,7 @@ class FirstOrder:
         self.stiffness = _joined([body.stiffness for body in self.bodies])
         self.damping = _joined([body.damping for body in self.bodies])
         # z = phi eta + bend z
+        # Displacements of interfaces follow q of second order by the bend.
         Z = self.phi + t.bend @ self.phi
         self.embed = diagonal_blocks([np.eye(t.sizes.n_r), Z])
         self.basis, self.coordinates = self._basis()
@@ -67,6 +68,7 @@ class FirstOrder:
         self.sigma: Any = SHIFT_RATIO * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
+            # An eigenvalue happened to be there: any other shift will do.
             self.sigma *= 1.37
             self.factors = equations.factorized(self.sigma)
 
@@ -84,6 +86,7 @@ class FirstOrder:
         B = t.gradients[hard] @ self.embed @ scale
         length = np.linalg.norm(B, axis=1)
         B /= np.where(length > 0.0, length, 1.0)[:, None]
+        # The last columns of Q span what the rows of B leave free.
         Q, _ = np.linalg.qr(B.T, mode="complete")
         free: Array = Q[:, len(B) :]
         inverse = diagonal_blocks([np.linalg.inv(root), np.eye(len(self.stiffness))])
@@ -97,6 +100,7 @@ class FirstOrder:
         compliant = np.flatnonzero(self.equations.pose.system.couplings.compliant)
         rows = t.sizes.rows.start + compliant
         springs = t.gradients[compliant].T @ t.K[rows]
+        # 1e-300: a model without any stiffness has a frequency of zero, not of nan.
         K = t.K[t.sizes.rigid] + springs[t.sizes.rigid] + 1e-300
         reduced = self.coordinates @ _inverse_inertia(self) @ K @ self.basis
         largest = float(np.sqrt(np.abs(reduced).max(initial=0.0)))
@@ -130,6 +134,7 @@ class FirstOrder:
         sizes, n_r = t.sizes, t.sizes.n_r
         e_law, e_motor, e_chain = np.split(e, np.cumsum(self._dampers)[:2])
         Y, V = self.embed @ y, self.embed @ v
+        # From v = sigma y + given and M v' + C v + K y: everything known on the right.
         known = t.M @ (sigma * Y + V) + t.C @ Y
         b = np.zeros((len(known), y.shape[1]), dtype=known.dtype)
         b[sizes.rigid], b[sizes.rows] = -known[sizes.rigid], -known[sizes.rows]
@@ -178,6 +183,7 @@ class FirstOrder:
 
     def split(self, x: Any) -> tuple[Any, Any, Any]:
         """Positions, rates and dampers of states (n, k)."""
+        # Rates are stored over sigma: both halves of a state then have the size of positions.
         n = self.n_free
         return self.basis @ x[:n], self.sigma * (self.basis @ x[n : 2 * n]), x[2 * n :]
 

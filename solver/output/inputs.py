@@ -70,7 +70,6 @@ def signal_warnings(lowered: LoweredModel) -> Iterator[str]:
 def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[str]:
     """A line about a load whose samples have another area than its signal."""
     signal, h, t_end = load.signal, lowered.h, lowered.h * lowered.n_steps
-    # long steps in flight become short ones about corners
     # Long steps in flight become short ones about corners.
     step = h if corners_of(signal) else lowered.longest_step
     breaks = distinct([time for time in breaks_of(signal) if 0.0 <= time <= t_end])

@@ -34,7 +34,7 @@ OUTPUTS = ("frames/beam.tip/position", "joints/pivot/angle", "energy/work", "ene
 def _small_blocks(monkeypatch):
     monkeypatch.setattr("duhamel.solver.history.dyadic.DIRECT_STEPS", 8)
     monkeypatch.setattr("duhamel.solver.simulator.STEPS_AHEAD", 16)
-    assert uniform.dyadic.BLOCK == 8
+    assert uniform.dyadic.DIRECT_STEPS == 8
 
 
 def rotor(element, **settings):
