@@ -1,4 +1,4 @@
-"""What can be said of a model before it runs: `check`."""
+"""The inspection of a model before it runs: `check`."""
 
 import time
 from collections.abc import Iterator
@@ -249,7 +249,7 @@ def _fast_servos(initial: InitialState) -> Iterator[str]:
 
 
 class _Trial(NamedTuple):
-    """Of the first steps: their number, the time of all steps of the run [s], the validity."""
+    """A trial of the first steps: their number, the estimated time of the run [s], validity."""
 
     steps: int
     seconds: float

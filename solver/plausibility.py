@@ -65,7 +65,7 @@ class Implausible(NamedTuple):
 
 
 def plausibility_warnings(model: Model) -> tuple[Implausible, ...]:
-    """What is unlike any machine; `ModelError` for a model that has no step."""
+    """Warnings about values that no machine has; `ModelError` for a model without a step."""
     with about(model.path):
         stepping = stepping_of(model)
     h = stepping.h * stepping.ratio
@@ -81,7 +81,7 @@ def plausibility_warnings(model: Model) -> tuple[Implausible, ...]:
 
 
 def severe_warnings(model: Model) -> Iterator[str]:
-    """The text of those of which every run warns."""
+    """The text of the warnings that every run repeats."""
     return (found.text for found in plausibility_warnings(model) if found.severe)
 
 

@@ -47,19 +47,19 @@ PROFILE_POINTS = 8
 
 @dataclass(frozen=True)
 class ShapeType:
-    """Which keys a shape takes, and its number in compiled code."""
+    """The keys of a shape of contacts, and its number in compiled code."""
 
     number: int
     round: bool = False
-    """has a radius"""
+    """whether it has a radius"""
     hollow: bool = False
-    """may be"""
+    """whether it may be hollow"""
     points: bool = False
-    """goes through some"""
+    """whether it goes through points"""
     axis: bool = False
-    """needs one"""
+    """whether it needs an axis"""
     length: bool = False
-    """may have one"""
+    """whether it may have a length"""
 
 
 SHAPE_TYPES = {
@@ -246,7 +246,7 @@ class Contact(Entry, Coupling):
         return basis[:, 2], basis[:, 0]
 
     def _parameters(self) -> list[float]:
-        """Ball, side and what the shape asks for."""
+        """The parameters of compiled code: ball, side, then those of the shape."""
         # The sign of the gap: the ball is outside of the surface, or inside.
         side = -1.0 if self.hollow else 1.0
         length = math.inf if self.length is None else self.length

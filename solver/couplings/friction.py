@@ -16,7 +16,7 @@ FRICTION_COEFFICIENTS = Family("coefficient of friction")
 @FRICTION_COEFFICIENTS.bare_number
 @entry(eq=True)
 class Coulomb(Entry):
-    """The same coefficient at rest and in motion."""
+    """A coefficient of friction that is the same at rest and in motion."""
 
     sliding: NotNegative
 

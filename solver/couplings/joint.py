@@ -1,4 +1,4 @@
-"""What joints have in common: a table of primitive rows, free coordinates, drives, friction.
+"""The base of all joints: a table of primitive rows, free coordinates, drives, friction.
 
 A joint aligns axes e1, e2, e3 of frame A with those of frame B. Two primitive rows cover all pairs:
 
@@ -77,7 +77,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
     """coordinates left free: e_k(A) . (r_B - r_A), by name"""
     free_angles: ClassVar[Mapping[str, Angle]] = {}
     side_dependent: ClassVar[bool] = False
-    """its rows are not the same from both sides, or must not be carried by frame B"""
+    """whether its rows differ when the frames are swapped, or frame A must carry them"""
     drive_keys: ClassVar[tuple[DriveKeys, ...]] = ()
     """of the coordinates that it may drive"""
 
@@ -120,7 +120,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """The names of all that it leaves free."""
+        """The names of the coordinates that the joint leaves free."""
         return *self.free_distances, *self.free_angles
 
     def unit(self, coordinate: str) -> str:
@@ -146,7 +146,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
         return bool(self.drives)
 
     def drives_from(self, sides: Sides) -> dict[str, SmoothSignal]:
-        """The same between frames at the start: a distance that is integrated starts as it is."""
+        """The drives between frames at the start, where an integrated distance begins."""
         drives = self.drives
         distance = drives.get("distance")
         if isinstance(distance, IntegratedDrive) and "distance" not in self.reference_coordinates:
@@ -236,11 +236,11 @@ class Joint(Entry, Coupling, metaclass=ByType):
         return [replace(row, swapped=turned) if turned else row for row in rows]
 
     def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """Constraints that no table makes."""
+        """Constraints beyond those of its table."""
         return []
 
     def driven_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """The coordinates that follow a signal."""
+        """Rows of the coordinates that follow a signal."""
         drives, rows = self.drives_from(sides), []
         if "distance" in drives:
             row = self.observed(sides)["distance"]
@@ -257,11 +257,11 @@ class Joint(Entry, Coupling, metaclass=ByType):
         return rows
 
     def with_friction(self, rows: list[Row], in_a: Array, in_b: Array) -> list[Row]:
-        """The rows of its table, with that of its friction behind them if it has some."""
+        """The rows of its table, followed by the row of friction if it has friction."""
         return rows
 
     def observed(self, sides: Sides) -> dict[str, Row]:
-        """The coordinates that it leaves free or drives, by name."""
+        """The rows of the coordinates that the joint leaves free or drives, by name."""
         basis = self.basis(sides.pose_a.R)
         in_a, in_b = sides.carried(basis)
         gap = sides.gap(basis)

@@ -40,7 +40,7 @@ JOINTS = Kinds()
 @JOINTS.in_files("fixed")
 @entry()
 class Fixed(Joint):
-    """A joint that lets nothing move."""
+    """A joint that fixes two frames to each other."""
 
     translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = NO_ROTATION
@@ -155,7 +155,7 @@ class Universal(DrivesAngle, JointWithAxis):
         return np.column_stack([first, second, np.cross(first, second)])
 
     def driven_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """All from the first frame."""
+        """The driven angles, both seen from the first frame."""
         rows, driven = self.observed(sides), []
         for name, drive in self.drives.items():
             row = replace(rows[name], drive=drive, reference=self.reference_coordinates.get(name))
@@ -273,7 +273,7 @@ class Screw(DrivesAngle, DrivesDistance, JointWithAxis):
 @JOINTS.in_files("constant_velocity")
 @entry()
 class ConstantVelocity(JointWithAxis):
-    """A joint that hands on the rotation of a shaft without a change of speed.
+    """A joint that transmits the rotation of a shaft without a change of speed.
 
         e_1(A) . e_2(B) - e_2(A) . e_1(B) = 0
 

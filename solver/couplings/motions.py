@@ -61,8 +61,9 @@ class PrescribedMotion(Entry, Coupling):
         return GROUND, self.on
 
     def turned_at(self, velocity: Array, moves: Callable[[Any], bool]) -> "PrescribedMotion":
-        """It with a drive that follows a steady angular velocity (3,) in space [rad/s], where its
-        own drive is one about an axis that moves with time.
+        """This motion at a steady angular velocity (3,) in space [rad/s].
+
+        It is unchanged unless its drive turns about an axis and moves with time.
         """
         return self
 

@@ -89,7 +89,7 @@ class Motor(Entry):
 
     @property
     def signals(self) -> tuple[Signal, Signal, Signal]:
-        """What it gives without an error, its reference, and the rate of that."""
+        """The feedforward torque or force, the reference, and the rate of the reference."""
         feedforward, reference = self.torque or self.force or NO_SIGNAL, self.reference or NO_SIGNAL
         rate = self.reference_rate
         # An input is known step by step: its rate is not.

@@ -62,7 +62,7 @@ class Sides:
 
 
 class Servo(Protocol):
-    """What drives a coordinate towards a reference, as a motor does."""
+    """The gains and limits of a motor that drives a coordinate towards a reference."""
 
     @property
     def stiffness(self) -> float: ...
@@ -121,7 +121,7 @@ class Row:
 
     @property
     def compliant(self) -> bool:
-        """Obeys a law, and is no constraint."""
+        """Whether the row obeys a force law, and is not a constraint."""
         follows_law = self.stiffness is not None or bool(self.laws) or self.motor is not None
         return follows_law or self.has_friction
 

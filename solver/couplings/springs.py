@@ -126,7 +126,7 @@ class Spring(Entry, Coupling):
 
     @property
     def laws_of_rows(self) -> Sequence[tuple[ForceLaw, ...]]:
-        """The force laws of each row alone."""
+        """The force laws of each row."""
         if not isinstance(self.law, Mapping):
             return [laws_of(self.law)] * self.n_rows
         return [laws_of(self.law.get(axis)) for axis in BUSHING_AXES]
@@ -150,7 +150,7 @@ class Spring(Entry, Coupling):
         return self.axis
 
     def rows(self, sides: Sequence[Sides]) -> list[Row]:
-        """Its coordinates with their laws."""
+        """One row for each coordinate of the spring, with its law."""
         (own,) = sides
         kind, basis = self.kind, self.basis(own.pose_a.R)
         in_a, in_b = own.carried(basis)

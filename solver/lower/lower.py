@@ -76,7 +76,7 @@ class LoweredModel:
 
     @property
     def ratio(self) -> int:
-        """Of the longest step to the shortest."""
+        """The ratio of the longest step to the shortest."""
         return int(self.system.scheme.ratio)
 
     @property

@@ -53,7 +53,7 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:
-    """Those whose step and scheme count: of flexible bodies, or where there are none of rigid ones.
+    """The superelements whose step and scheme count: of flexible bodies, else of rigid ones.
 
     So that a model keeps its step where its only flexible body is made rigid.
     """

@@ -67,9 +67,9 @@ class RigidBody(Entry):
     """A rigid body with named frames.
 
     mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
-    principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
+    principal inertia exceeds the sum of the other two, which no distribution of mass allows.
     frames: by name, where there is no rotation by their positions (3,) [m] alone.
-    shape: what it looks like, of which nothing else depends; by default a box of its inertia.
+    shape: how pictures show it, without effect on the motion; by default a box of its inertia.
     """
 
     mass: Positive
@@ -149,13 +149,13 @@ class FlexibleBody(_OfSuperelement, Entry):
 
     @property
     def n_inner(self) -> int:
-        """Those of terms of second order, six of inertia and q, which follow."""
+        """Elastic dofs of terms of second order: six of inertia, then the coordinates q."""
         second = self.rotation
         return 0 if second is None else INERTIA + second.r
 
     @property
     def n_dofs(self) -> int:
-        """All elastic dofs."""
+        """The number of elastic dofs, outer and inner ones."""
         return self.n_outer + self.n_inner
 
 

@@ -1,4 +1,4 @@
-"""Shapes of rigid bodies, which pictures show and nothing else depends on."""
+"""Shapes of rigid bodies in pictures; the motion does not depend on them."""
 
 import io
 from contextlib import redirect_stderr, redirect_stdout
@@ -39,7 +39,7 @@ Edges = Annotated[np.ndarray, FieldSpec("three positive numbers", _edges, _Edges
 
 
 class BodyShape(Protocol):
-    """What a rigid body looks like."""
+    """The shape by which pictures show a rigid body."""
 
     @property
     def outline(self) -> Outline:
@@ -108,7 +108,7 @@ class Surface(Entry):
     center: Vector = ZERO_VECTOR
 
     def validate(self) -> None:
-        self.outline  # noqa: B018 - read once, so that a file which is none is told at once
+        self.outline  # noqa: B018 - read once, so that an unreadable file is reported at once
 
     @cached_property
     def outline(self) -> Outline:

@@ -79,7 +79,7 @@ class Model(Entry):
         return table(title, rows(self.bodies, self._parts(), self.gravity, self.settings))
 
     def _parts(self) -> dict[str, tuple[Any, ...]]:
-        """All that is between bodies, by kind."""
+        """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
         return {kind: getattr(self, kind) for kind in kinds}
 
@@ -99,9 +99,9 @@ class Model(Entry):
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them.
+        """All couplings, in the order in which the solver numbers their rows.
 
-        ModelError for what acts on a joint, or on a coordinate of one, that there is not.
+        ModelError for one that names a joint, or a coordinate of a joint, that does not exist.
         """
         joints = {joint.name: joint for joint in self.joints}
         # The order numbers the rows of the step: results and checkpoints rely on it.
@@ -138,7 +138,7 @@ class Model(Entry):
 
     @property
     def _named(self) -> dict[str, tuple[Named, ...]]:
-        """What has a name that no other has, by kind."""
+        """The entries that need a unique name, by kind."""
         return {
             "joint": self.joints,
             "spring": self.springs,
@@ -150,7 +150,7 @@ class Model(Entry):
         }
 
     def _name(self) -> None:
-        """Number what has no name."""
+        """Give numbered names to entries without a name."""
         for kind, entries in self._named.items():
             strange = next((entry for entry in entries if not hasattr(entry, "name")), None)
             if strange is not None:
@@ -209,7 +209,7 @@ class Model(Entry):
             spread.pattern_of(flexible[spread.body].superelement)
 
     def _check_equilibrium(self) -> None:
-        """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""
+        """ModelError for a velocity: in equilibrium only a steady rotation has velocities."""
         for name, body in self.bodies.items():
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():

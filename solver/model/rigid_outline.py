@@ -1,4 +1,4 @@
-"""What rigid bodies look like: the shape that a model gives them, or a box of their inertia."""
+"""Outlines of rigid bodies: the shape in the model, or a box with the same inertia."""
 
 import numpy as np
 

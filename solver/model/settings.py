@@ -44,7 +44,7 @@ class StartFrom(Entry):
     path: Annotated[str, NameInFile("from")]
 
     def beside(self, folder: Path) -> "StartFrom":
-        """The same with a path that is relative to a folder."""
+        """This start with its path relative to a folder."""
         return StartFrom(str(folder / self.path))
 
 
@@ -83,7 +83,7 @@ INTERVAL_FORMS = Family("interval")
 @INTERVAL_FORMS.bare_number
 @entry(eq=True)
 class Seconds(Entry):
-    """So many seconds of wall time."""
+    """An interval of wall time in seconds."""
 
     seconds: PositiveTime
 
@@ -91,7 +91,7 @@ class Seconds(Entry):
 @INTERVAL_FORMS.in_files("every")
 @entry(eq=True)
 class EverySteps(Entry):
-    """So many time steps."""
+    """An interval of a number of time steps."""
 
     every: Count
 

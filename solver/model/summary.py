@@ -31,7 +31,7 @@ def rows(
 
 
 def counted(n: int, kind: str) -> str:
-    """As `1 joint`, `2 joints`."""
+    """A number with its kind, as `1 joint` or `2 joints`."""
     return f"{n} {kind.removesuffix('s') if n == 1 else kind}"
 
 
@@ -44,7 +44,7 @@ def _body(body: Body) -> str:
 
 
 def _name(entry: Any) -> str:
-    """As `pivot (revolute)`."""
+    """An entry with its type, as `pivot (revolute)`."""
     name, kind = getattr(entry, "name", ""), getattr(entry, "type", "")
     where = getattr(entry, "on", "") or getattr(entry, "body", "")
     if not name:

@@ -20,7 +20,7 @@ def waiting(state: State) -> EventRows:
 
 
 def taken(state: State) -> EventRows:
-    """The same, which the state then forgets."""
+    """The events that wait in a state, which are removed from it."""
     events = waiting(state)
     state.contacts.n_events[0] = 0
     return events

@@ -1,4 +1,4 @@
-"""What can be said of the signals of a run before it: what steps miss of them, and drift."""
+"""Warnings about the signals of a run: unresolved areas and frequencies, and drift."""
 
 from collections.abc import Iterator
 

@@ -39,7 +39,7 @@ class Measure(NamedTuple):
 
 
 def _axial_loads(reading: Reading) -> Array:
-    """The largest of each body; nan where no Euler load is known."""
+    """The largest axial load of each body; nan where no Euler load is known."""
     axial, subjects = reading.lowered.system.elastic.axial, reading.subjects
     largest = np.full(len(subjects.bodies), -1.0)
     # A body has several axial directions; a plain index would keep the last.
@@ -73,7 +73,10 @@ def _joint_turns(reading: Reading) -> Array:
 
 
 def _angular_momenta(reading: Reading) -> Array:
-    """Over the largest of each free body; nan where it hardly turns."""
+    """Errors of angular momentum over its largest value, of each free body.
+
+    nan for a body that hardly turns.
+    """
     momentum, bodies = reading.extremes.momentum, reading.lowered.system.bodies
     inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
     turns = 0.5 * momentum.largest / inertia[bodies.free] > NEGLIGIBLE_VIBRATION * reading.moved
@@ -84,7 +87,7 @@ def _angular_momenta(reading: Reading) -> Array:
 
 
 def _steps_per_period(reading: Reading) -> Array:
-    """Of all bodies: of vibration, and of their motion as a whole."""
+    """Steps per period of each body, in its vibration or its motion as a whole."""
     frequencies = reading.frequencies_as_rigid.copy()
     body = reading.lowered.system.elastic.body
     # fmax passes over nan: a body may vibrate in one way only.
@@ -113,7 +116,7 @@ def _created(reading: Reading) -> Array:
 
 
 def _contact_arms(reading: Reading) -> Array:
-    """Over the size of the body that carries the shape."""
+    """Arms of contact forces over the size of the body that carries the shape."""
     subjects, system = reading.subjects, reading.lowered.system
     couplings, elastic = system.couplings, system.elastic
     first = couplings.range[subjects.contacts[subjects.carried]]
@@ -143,7 +146,7 @@ def _openings(reading: Reading) -> Array:
 
 
 def _force_noise(reading: Reading) -> Array:
-    """What rounding of positions makes of the force of each joint, over the largest of the model.
+    """Noise in the force of each joint by rounding of positions, over the largest force.
 
     That is at least the energy that moves over the size of the model; where nothing moves nothing
     is rounded. Short steps count where contacts have closed. Rounding of a position asks for the

@@ -37,7 +37,7 @@ class Reading:
 
     @cached_property
     def rounding(self) -> float:
-        """Of the energies that the balance sums, and of the positions that they follow."""
+        """Rounding of the energies in the balance, and of the positions that they depend on [J]."""
         energies, bodies = self.state.energies, self.lowered.system.bodies
         # Heights count from the origin: energies are rounded relative to weight times size at
         # least.
@@ -58,17 +58,17 @@ class Reading:
 
     @cached_property
     def displacement(self) -> Array:
-        """Over the size of the body."""
+        """Elastic displacements over the size of the body."""
         return np.sqrt(self.extremes.displacement[self.subjects.interfaces]) / self.subjects.sizes
 
     @cached_property
     def spin(self) -> Array:
-        """Of the flexible bodies."""
+        """The largest spins of flexible bodies [rad/s]."""
         return np.sqrt(self.extremes.spin[self.lowered.system.elastic.body])
 
     @cached_property
     def frequencies(self) -> Array:
-        """The highest that carries energy in the vibration of each flexible body [Hz], or nan."""
+        """The highest frequency that carries energy in each flexible body [Hz]; nan if none."""
         elastic, extremes = self.lowered.system.elastic, self.extremes
         still = NEGLIGIBLE_VIBRATION * self.moved * self.taken / self.lowered.ratio
         frequencies = []
@@ -90,7 +90,7 @@ class Reading:
 
     @cached_property
     def frequencies_as_rigid(self) -> Array:
-        """Of the motion of each body as a whole [Hz], nan where it does not vibrate."""
+        """Frequencies of the motion of each body as a whole [Hz]; nan without vibration."""
         motion, bodies = self.extremes.motion, self.lowered.system.bodies
         n = max(int(motion.steps[0]), 1)
         inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
@@ -117,7 +117,7 @@ class Reading:
 
 
 def _energy_at_rest(lowered: LoweredModel, state: State) -> float:
-    """What bodies and springs at rest have by the rounding of positions, and of angles.
+    """The energy of bodies and springs at rest by rounding of positions and angles.
 
     Velocities are then that rounding over the step.
     """

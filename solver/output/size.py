@@ -38,7 +38,7 @@ def check_memory(contents: Contents, rows: int) -> None:
 
 
 def lack_of_disk(path: Path, contents: Contents, rows: int) -> str:
-    """Says that the disk of a file cannot hold the results; "" if it can."""
+    """A message that the disk cannot hold the results; "" if it can."""
     size, free = file_bytes(contents, rows), shutil.disk_usage(path.parent).free
     if size <= free:
         return ""

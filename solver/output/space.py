@@ -33,7 +33,7 @@ def _n_interfaces(model: Model, name: str) -> int:
 
 
 def _outline(model: Model, name: str, size: float) -> Outline | None:
-    """None of a flexible body whose superelement has none."""
+    """The outline of a body; None for a superelement without one."""
     body = model.bodies[name]
     if isinstance(body, FlexibleBody):
         return body.superelement.outline

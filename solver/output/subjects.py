@@ -1,4 +1,4 @@
-"""What of a model is judged: the owners of criteria of validity, and what is known of them."""
+"""The subjects of validity criteria in a model: their owners, and the data about them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ Mask = NDArray[np.bool_]
 
 
 class Subjects:
-    """What of a model is judged."""
+    """The owners of validity criteria in a model, and the data about them."""
 
     def __init__(self, lowered: LoweredModel) -> None:
         self.lowered = lowered

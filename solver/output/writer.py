@@ -83,7 +83,7 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
 
 def contents_of(lowered: LoweredModel) -> Contents:
-    """What the model requests, the checks of its validity, and its bodies in space."""
+    """The requested contents, the checks of validity, and the bodies in space."""
     contents = requested(lowered, ValidityMonitor(lowered).names)
     bodies = contents.axes["body"].names if "body" in contents.axes else ()
     return replace(contents, space=space_of(lowered, bodies))

@@ -26,11 +26,11 @@ from ..errors import ModelError, plain
 
 @dataclass(frozen=True)
 class FieldSpec:
-    """An annotation: what a field takes, `what` in messages.
+    """An annotation: the values that a field accepts, described by `what` in messages.
 
-    store: from what users give to what is kept; ValueError or TypeError for anything else. in_file:
-    the type of the value in a model file; to_file: from what is kept to that value; found: a value
-    as messages quote it.
+    store: converts a given value to the stored one; ValueError or TypeError for any other value.
+    in_file: the type of the value in a model file; to_file: converts the stored value to it; found:
+    quotes a value in messages.
     """
 
     what: str | Callable[[], str]
@@ -49,7 +49,7 @@ LARGEST_NUMBER = 1e100
 
 
 def real(value: Any) -> float:
-    """A number that calculations can bear; ValueError or TypeError for any other value."""
+    """A number of permissible size; ValueError or TypeError for any other value."""
     # float() reads "1e3" too, but in a model file a number in quotes is a mistake.
     if isinstance(value, str | bytes):
         raise TypeError
@@ -61,7 +61,7 @@ def real(value: Any) -> float:
 
 
 ANY_NUMBER = FieldSpec(f"a number of magnitude up to {LARGEST_NUMBER:g}", real, float)
-"""what a field of type float takes"""
+"""the specification of fields of type float"""
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,14 @@ class FormerKey:
 
 @dataclass(frozen=True)
 class DefaultInFile:
-    """An annotation: what a model file says that leaves the key of a field out."""
+    """An annotation: the value of a field whose key a model file leaves out."""
 
     value: Any
 
 
 @dataclass(frozen=True)
 class Flattened:
-    """An annotation: in model files the keys of this entry stand beside those of its owner."""
+    """An annotation: in model files the keys of this entry are keys of its owner."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ def is_optional(hint: Any) -> bool:
 
 
 def one_of(names: Mapping[str, Any]) -> FieldSpec:
-    """One of the names, which may become more."""
+    """The specification of a field that takes one of some names, which may grow in number."""
 
     def what() -> str:
         # Evaluated when a message is written, for users may have added members since the class was

@@ -67,13 +67,13 @@ class Family:
     def __init__(self, name: str) -> None:
         self.name = name
         self.forms: dict[str, list[Form]] = {}
-        """by the key that distinguishes them"""
+        """the forms, by the key that distinguishes them"""
         self.number: Any = None
         """the entry of one field that a bare number stands for"""
 
     @property
     def title(self) -> str:
-        """Its name in JSON schemas."""
+        """The name of the family in JSON schemas."""
         return self.name.replace(" ", "_")
 
     def in_files(self, key: str, flag: str = "") -> Callable[[AnyEntryType], AnyEntryType]:

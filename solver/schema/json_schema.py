@@ -14,7 +14,7 @@ Schema = dict[str, Any]
 
 @dataclass(frozen=True)
 class ValueInWords:
-    """An annotation of a key: what it takes, in words, and what it is unless given."""
+    """An annotation of a key: the values that it takes, in words, and its default."""
 
     what: str | Callable[[], str]
     default: Any

@@ -1,4 +1,4 @@
-"""Entries as tables of a model file, by what their fields take."""
+"""Entries as tables of a model file, by the specifications of their fields."""
 
 import difflib
 from collections.abc import Mapping

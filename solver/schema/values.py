@@ -262,14 +262,14 @@ Words = Annotated[tuple[str, ...], FieldSpec("names", names, tuple[str, ...])]
 
 
 class Framed(Protocol):
-    """What has a frame, as the handles of frames and bodies of a mechanism."""
+    """An object that has a frame, such as the handle of a frame or a body of a mechanism."""
 
     @property
     def frame_name(self) -> str: ...
 
 
 class Named(Protocol):
-    """What has a name, as a joint or the handle of a body."""
+    """An object that has a name, such as a joint or the handle of a body."""
 
     @property
     def name(self) -> str: ...

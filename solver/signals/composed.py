@@ -56,7 +56,7 @@ else:
 
 
 class _Composed(Smooth):
-    """What follows from the parts."""
+    """The base of signals that are composed of parts."""
 
     @property
     def parts(self) -> tuple[Signal, ...]:

@@ -62,7 +62,7 @@ class Constant(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("times")
 @entry(eq=True)
 class Steps(Piecewise, Entry):
-    """values[i] from times[i] on, 0 before the first."""
+    """A staircase: values[i] from times[i] on, 0 before the first."""
 
     times: Numbers
     values: Numbers
@@ -98,7 +98,7 @@ class Steps(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("times", flag="linear")
 @entry(eq=True)
 class Table(Piecewise, Pointwise, Entry):
-    """Linear between the points (times, values), constant outside."""
+    """A table: linear between the points (times, values), constant outside."""
 
     times: Numbers
     values: Numbers
@@ -179,7 +179,7 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("amplitude")
 @entry(eq=True)
 class Harmonic(Smooth, Pointwise, Entry):
-    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
+    """A sine: offset + amplitude sin(2 pi frequency t + phase); frequency [Hz], phase [rad]."""
 
     amplitude: float
     frequency: float
@@ -209,7 +209,7 @@ class Harmonic(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("polynomial")
 @entry(eq=True)
 class Polynomial(Piecewise, Smooth, Pointwise, Entry):
-    """c_0 + c_1 t + c_2 t^2 + ..."""
+    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ..."""
 
     coefficients: Annotated[SomeNumbers, NameInFile("polynomial")]
 
@@ -258,7 +258,7 @@ class Impulse(Entry):
 @SIGNAL_FORMS.in_files("pulse")
 @entry(eq=True)
 class Pulse(Piecewise, Entry):
-    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
+    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere."""
 
     value: Annotated[float, NameInFile("pulse")]
     start: Annotated[float, NameInFile("from")]

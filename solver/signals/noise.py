@@ -97,7 +97,7 @@ class _Noise(Smooth, Pointwise):
 
     @property
     def highest_frequency(self) -> float:
-        """[Hz]"""
+        """The highest frequency [Hz]."""
         return self._band()[1]
 
     @property

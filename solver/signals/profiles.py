@@ -84,7 +84,7 @@ class SmoothProfile(Smooth, Profile):
 
 
 class _Step(SmoothProfile):
-    """From one value to another, over a time."""
+    """A step from one value to another over a time."""
 
     shape: Shape
     values: tuple[float, float]
@@ -107,7 +107,7 @@ class _Step(SmoothProfile):
 @SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
 class SmoothStep(_Step, Entry):
-    """From one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
+    """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
 
     Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
     10/sqrt(3) times the change over the duration, and over its square.
@@ -122,7 +122,7 @@ class SmoothStep(_Step, Entry):
 @SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
 class Haversine(_Step, Entry):
-    """From one value to another over a time, by (1 - cos(pi x)) / 2.
+    """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
     """
@@ -263,7 +263,7 @@ class _Chirp(Smooth, Pointwise):
 
     @property
     def highest_frequency(self) -> float:
-        """[Hz]"""
+        """The highest frequency [Hz]."""
         return max(self.frequencies)
 
     def __call__(self, t: float) -> float:

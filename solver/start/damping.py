@@ -45,7 +45,10 @@ def damping_in_words(motions: Sequence[DampedMotion]) -> str:
 
 
 def damping_of(initial: InitialState) -> str:
-    """Of a run, in words, as long as it takes no time; "" where nothing damps. The state stays."""
+    """The damping of a model in words; "" without damping, or where that would take long.
+
+    The state stays as it is.
+    """
     system, state, work = initial.lowered.system, initial.state, initial.work
     n = unknowns_of(system)
     if n is None or n > MAX_QUICK_UNKNOWNS or not _is_damped(system):

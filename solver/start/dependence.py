@@ -56,7 +56,7 @@ def dependences(J: Matrix, owners: Index, tolerance: float) -> Array:
 
 
 def rows_to_leave_out(null: Array) -> list[int]:
-    """As many rows as there are dependences (n, k), so that the others are independent.
+    """The rows to leave out so that the others are independent, one for each dependence (n, k).
 
     Of equal choices the later ones.
     """
@@ -208,7 +208,7 @@ class _Elimination:
 
 
 def _merge(fronts: list[_Front]) -> _Front:
-    """All their rows."""
+    """One front with the rows of all of them."""
     sizes = [len(front.carried) for front in fronts]
     places = distinct(np.concatenate([front.places for front in fronts]))
     carried = np.zeros((sum(sizes), len(places)))

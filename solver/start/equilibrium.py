@@ -408,7 +408,7 @@ def _at_rest(lowered: LoweredModel) -> System:
 
 
 def _stiffened(system: System, beta: float) -> System:
-    """With the inertia of an implicit step of the gradient flow: beta J on dq."""
+    """The system with the inertia of an implicit step of the gradient flow: beta J on dq."""
     # The flow has no time: any h will do that keeps the matrix well scaled.
     return system.replace(scheme=system.scheme.replace(beta_prime=beta, h=0.01))
 
@@ -498,8 +498,9 @@ def _largest_forces(
 
 
 def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
-    """Of each motor, if its coordinate is a length, and the force by which it answers to an error
-    of `SERVO_ERROR_SCALE` of the size of the model, of 1 rad, or of the rate.
+    """For each motor, whether its coordinate is a length, and its force under a small error.
+
+    The error is `SERVO_ERROR_SCALE` of the size of the model, of 1 rad, or of the rate.
     """
     motors, rows = system.couplings.laws.motors, system.couplings.rows.kind
     lengths = np.array([measures_length(kind) for kind in rows[motors.row].tolist()], dtype=bool)

@@ -57,7 +57,10 @@ def unknowns_of(system: System) -> int | None:
 
 
 def vibrations(initial: InitialState, largest: int = MAX_FREQUENCY_UNKNOWNS) -> Vibrations | None:
-    """None for bodies without modes, and for models of more than `largest` unknowns."""
+    """The undamped vibrations of a model about its initial state.
+
+    None for bodies without modes, and for models of more than `largest` unknowns.
+    """
     lowered, system = initial.lowered, initial.lowered.system
     stiffness, n = system.elastic.modes.stiffness, unknowns_of(system)
     if n is None or n > largest:

@@ -74,7 +74,7 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
 
 
 def continuous_motion(rotation: SteadyRotation) -> SteadyMotion:
-    """The same without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
+    """A steady rotation without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
     speed = float(np.linalg.norm(rotation.angular_velocity))
     axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
     return SteadyMotion(

@@ -18,7 +18,7 @@ LARGE_TURN = 0.5
 
 
 def causes(lowered: LoweredModel, state: State, work: Workspace) -> str:
-    """What the last state of a search shows, as sentences of a message."""
+    """Why a search has found no equilibrium, as sentences of a message."""
     found = next(_causes(lowered, state, work), "")
     return found or (
         "its loads may be such that nothing balances them, or it is at a buckling load or beyond"
