@@ -259,6 +259,6 @@ def _check_from_rest(name: str, signal: SmoothSignal) -> None:
         map(abs, map(signal, PROBE_TIMES))
     ):
         raise ModelError(
-            f"{name}: expected 0 at t = 0, got {start:.6g}: it counts from where the frame starts; "
-            f"an offset of {-start:.6g} would make it so"
+            f"{name}: expected 0 at t = 0, got {start:.6g}: it is measured from where the frame "
+            f"starts; add an offset of {-start:.6g}"
         )

@@ -21,7 +21,7 @@ def place_bodies(model: Model) -> dict[str, Pose]:
         ready = [name for name in waiting if _support(model, name) in (None, *poses)]
         if not ready:
             raise ModelError(
-                f"bodies {', '.join(waiting)}: they are placed on one another in a circle"
+                f"bodies {', '.join(waiting)}: they are placed on one another in a cycle"
             )
         for name in ready:
             poses[name] = _pose(model, name, poses)

@@ -59,7 +59,7 @@ class Start(Entry):
 
     def validate(self) -> None:
         if self.place is not None and (self.position.any() or self.rotation.any()):
-            raise self.error("a body starts by `place` or by `position` and `rotation`, got both")
+            raise self.error("expected `place`, or `position` and `rotation`, got both")
 
 
 @entry()

@@ -88,7 +88,9 @@ class _Body(Table):
         # Those that a rigid body alone has; keys of the start belong to both kinds.
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
-            raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
+            raise ValueError(
+                f"the superelement already gives {', '.join(both)}: leave these keys out"
+            )
         if self.superelement is None and self.second_order is not None:
             raise ValueError("second_order belongs to flexible bodies, found no superelement")
         if self.superelement is None and self.rigid is not None:

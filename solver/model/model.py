@@ -214,7 +214,7 @@ class Model(Entry):
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():
                     raise ModelError(
-                        f"body {name!r}: {key}: start = 'equilibrium' takes none but "
+                        f"body {name!r}: {key}: start = 'equilibrium' allows none but "
                         f"steady_rotation, got {velocity.tolist()}"
                     )
         for joint in self.joints:
@@ -222,7 +222,7 @@ class Model(Entry):
                 driven = key.removesuffix("_rate") in joint.drives
                 if key.endswith("_rate") and value != 0.0 and not driven:
                     raise joint.error(
-                        f"start: {key}: start = 'equilibrium' takes no rates but "
+                        f"start: {key}: start = 'equilibrium' allows no rates but "
                         f"steady_rotation, got {value}"
                     )
 

@@ -216,4 +216,4 @@ def _refuse(signal: Signal, what: str, *kinds: type) -> None:
     for kind in kinds:
         if is_any(signal, kind):
             name = {Input: "an input", Impulse: "an impulse"}[kind]
-            raise ModelError(f"{what} takes no {name.split()[1]}: {name} stands for itself alone")
+            raise ModelError(f"{name} cannot be part of {what}")

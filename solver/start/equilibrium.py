@@ -540,7 +540,7 @@ def _failure(lowered: LoweredModel, reason: str, state: State, work: Workspace) 
     if rows.max(initial=0.0) > bodies.max():
         worst = lowered.owner_of(int(np.argmax(rows)))
     return ModelError(
-        f"start = 'equilibrium': none found, {reason}; farthest from it is {worst}. "
+        f"start = 'equilibrium': none found, {reason}; the largest residual is that of {worst}. "
         f"In the last state: {causes(lowered, state, work)}"
     )
 

@@ -103,8 +103,8 @@ def _check(lowered: LoweredModel, source: StateFile) -> None:
     identity, step = source.identity, source.snapshot.step
     if step >= lowered.n_steps:
         raise ModelError(
-            f"simulation: t_end: time goes on from that of the state, {step * lowered.h:.9g} s; "
-            f"expected more, got {lowered.model.settings.t_end:.9g}"
+            f"simulation: t_end: expected more than the time of the state, "
+            f"{step * lowered.h:.9g} s, got {lowered.model.settings.t_end:.9g}"
         )
     for name, value in lowered.system.scheme.leaves():
         if identity.system.get(f"scheme/{name}") != digest_of(value):
@@ -127,7 +127,9 @@ def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
         if name in lowered.model.bodies and was != now:
             raise StateError(f"body {name!r}: was {_kind(was)}, is {_kind(now)}")
         if not now and name in identity.kernels:
-            raise StateError(f"body {name!r}: is no longer there, and what it stored is not known")
+            raise StateError(
+                f"body {name!r}: is not in this model, so that its stored energy is unknown"
+            )
     for name in flexible.keys() & identity.layout.n_e.keys():
         digest = digest_of(flexible[name].superelement)
         if identity.model[f"bodies.{name}.superelement"] != digest:
@@ -173,5 +175,5 @@ def _check_closed(
         if not same and abs(rates[i]) > length / size * limit:
             raise StateError(
                 f"{lowered.owner_of(i)}: opens at {abs(rates[i]):.6g} {unit}/s where the state "
-                "begins: to close it takes an impulse"
+                "begins: closing it would need an impulse"
             )

@@ -48,27 +48,27 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
         # Beside a singular pose the rank is full: to leave out a row would free a motion for ever.
         if _rank(lowered, _jacobian(lowered, state, work)) > here:
             raise ModelError(
-                f"joints: the start is a singular pose: {dependent} depend on one another there, "
-                "but not beside it, so that the motion from there is not determined; start the "
-                "mechanism in another pose, as by `start` of a joint"
+                f"joints: the start is a singular pose: {dependent} are dependent constraints "
+                "there, but independent in nearby poses, so that the motion is not determined; "
+                "start the mechanism in another pose, for instance by `start` of a joint"
             )
     if driven := [i for i in involved if lowered.system.couplings.drive[i] >= 0]:
         raise ModelError(
             f"joints: {describe_rows(lowered, driven)} is driven against other constraints: "
-            f"on one another depend {dependent}; take away the drive or free a joint"
+            f"dependent constraints: {dependent}; remove the drive or free a joint"
         )
     if coupled := [i for i in removable if _has_terms(lowered, i)]:
         owners = " and ".join(dict.fromkeys(lowered.owner_of(i) for i in coupled))
         raise ModelError(
-            f"{owners}: depends on other constraints and cannot be left out: on one another "
-            f"depend {dependent}; take it away or free a joint"
+            f"{owners}: depends on other constraints and cannot be left out: dependent "
+            f"constraints: {dependent}; remove it or free a joint"
         )
     if lowered.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
             f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; "
-            f"on one another depend {dependent}; free a joint, or let redundant = 'remove' drop "
-            f"{describe_rows(lowered, removable)}"
+            f"dependent constraints: {dependent}; free a joint, or set redundant = 'remove' to "
+            f"drop {describe_rows(lowered, removable)}"
         )
     # Any choice gives the same motion of rigid bodies; forces of those left out are zero.
     return frozenset(removable)

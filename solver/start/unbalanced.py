@@ -21,7 +21,7 @@ def causes(lowered: LoweredModel, state: State, work: Workspace) -> str:
     """Why a search has found no equilibrium, as sentences of a message."""
     found = next(_causes(lowered, state, work), "")
     return found or (
-        "its loads may be such that nothing balances them, or it is at a buckling load or beyond"
+        "nothing may balance its loads, or they may be at a buckling load or beyond it"
     )
 
 
