@@ -107,6 +107,7 @@ def build() -> bytes:
 def _fewer_collections() -> Iterator[None]:
     """Typing makes millions of objects that live to the end: to look through them takes as long."""
     threshold = gc.get_threshold()
+    # Objects that are there already are not looked at again.
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
     try:
@@ -128,6 +129,7 @@ def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
             typing.insert_global(function, typing.resolve_value_type(QUICK_INTRINSICS[function]))
             continue
         dispatchers[function] = _Inner(function, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
+        # By its dispatcher a function is known to the others before it is compiled itself.
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
     for entry in COMPILED_ENTRIES.values():
         typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
@@ -153,18 +155,23 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
     final = llvm.parse_assembly(cgutils.normalize_ir_text(str(module)))
     final.name = "duhamel"
     for library in _with_linked(libraries):
+        # preserve: numba still reads these modules while others are linked.
         final.link_in(library._get_module_for_linking(), preserve=True)
     for function in final.functions:
         if not function.is_declaration and function.name not in COMPILED_ENTRIES:
+            # What nothing outside can call may be inlined, merged and removed.
             function.linkage = "internal"
     for variable in final.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"
+    # The object file is loaded without a linker: what is not known here would crash at its first
+    # call.
     missing = {f.name for f in final.functions if f.is_declaration} - KNOWN_FUNCTIONS
     if strange := [name for name in missing if not name.startswith("llvm.")]:
         raise LookupError(f"undefined functions: {sorted(strange)}")
     for variable in final.global_variables:
         if variable.name.startswith("numba.dynamic.globals"):
+            # An address of this process has no meaning in the next.
             raise NotImplementedError("a compiled function reads a large array by its address")
     machine = _target_machine()
     _optimize(final, machine)
@@ -236,6 +243,8 @@ class _Pipeline(CompilerBase):  # type: ignore[misc]
 
     def define_pipelines(self) -> list[Any]:
         flags = self.state.flags
+        # Wrappers for Python and C take most of numba's time, and only entries are called from
+        # outside.
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
         name = self.state.func_id.func_qualname
         self.state.library = _Library(self.state.targetctx.codegen(), name)
@@ -282,6 +291,7 @@ class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
     key = StructType
 
     def generic_resolve(self, typ: Any, attr: str) -> Any:
+        # A bool is a word like all numbers: memory has no smaller pieces.
         field = typ.cls.layout.get(attr)
         return None if field is None else _numba_type(field[1])
 
@@ -396,12 +406,14 @@ def _place(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, list[A
     if isinstance(kinds[-1], types.SliceType):
         part = context.make_helper(builder, kinds[-1], values[-1])
         n = shape[len(values) - 1]
+        # A slice ends with the array, as in numpy; its start is not checked.
         stop = builder.select(builder.icmp_signed("<", part.stop, n), part.stop, n)
         values[-1] = part.start
         kinds = (*kinds[:-1], types.int64)
         rest = [builder.sub(stop, part.start, flags=["nsw"]), *rest]
     offset = WORD(0)
     for i, n in enumerate(shape):
+        # Horner's rule over the dimensions; nsw lets LLVM reckon with indices that do not overflow.
         offset = builder.mul(offset, n, flags=["nsw"])
         if i < len(values):
             value = context.cast(builder, values[i], kinds[i], types.int64)

@@ -103,6 +103,7 @@ def key() -> str:
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
     compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER_FILES]
     digest = hashlib.sha256()
+    # Sorted, so that the digest does not depend on the order of imports.
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
     layouts = sorted(record.description() for record in marks.records())
@@ -161,6 +162,7 @@ def _new_code() -> bytes:
     code = None
     try:
         with opened_cache(make=True) as folder, folder.locked():
+            # Within the lock: of many processes that start at once one compiles.
             code = _cached_code()  # another process may have made it while this one waited
             if code is None:
                 code = _built_code()
@@ -211,6 +213,7 @@ def _built_code() -> bytes:
         )
     except OSError:
         return _built_here()
+    # Libraries may print while they are imported: the code begins after the mark.
     _, mark, code = process.stdout.partition(marks.OBJECT_MARK)
     if process.returncode or not mark:
         report = process.stderr.decode(errors="replace")
@@ -255,7 +258,9 @@ def engine_of(code: bytes) -> Any:
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
     engine = llvm.create_mcjit_compiler(
-        llvm.parse_assembly(""), target.create_target_machine(jit=True)
+        # An engine needs a module; the object file is added to it.
+        llvm.parse_assembly(""),
+        target.create_target_machine(jit=True),
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
