@@ -145,13 +145,13 @@ def _of_locking(source: MeshSource) -> Iterator[str]:
     if excess > STIFF:
         yield (
             f"these elements are too stiff in bending: deflections are about {1.0 / excess:.2g} "
-            "of what they should be; use elements with nodes on their edges, or hexahedra with "
-            "right angles"
+            "of what they should be; use elements with nodes on their edges (order = 2 makes them of "
+            "tetrahedra and wedges), or hexahedra with right angles"
         )
     if source.stiff_in_volume():
         yield (
             "four-node tetrahedra and wedges are too stiff for a nearly incompressible material, "
-            "by a factor: use hexahedra, or tetrahedra with ten nodes"
+            "by a factor: use hexahedra, or tetrahedra with ten nodes (order = 2)"
         )
 
 

@@ -50,6 +50,9 @@ class Part:
         Its name in messages and files.
     scale : float [m]
         The unit of length of the mesh: 1e-3 for millimeters. All else is in SI units.
+    order : {1, 2}
+        2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes
+        in the middle of their edges.
 
     Examples
     --------
@@ -75,9 +78,12 @@ class Part:
         *,
         name: str = "part",
         scale: float = 1.0,
+        order: Literal[1, 2] = 1,
     ) -> None:
         self.name = name
         self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
+        if order != 1:
+            self._table["order"] = order
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:

@@ -265,13 +265,15 @@ class Body(Table):
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units.
+    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
+    tetrahedra with nodes in the middle of their edges.
     """
 
     name: str
     mesh: AnyMesh | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
+    order: Annotated[Literal[1, 2], expected("1 or 2")] = 1
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
@@ -293,7 +295,7 @@ class Body(Table):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
+            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "

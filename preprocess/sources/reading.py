@@ -10,6 +10,7 @@ from ..given.matrices import read_matrices
 from ..mesh.cells import LINES
 from ..mesh.mesh import Mesh
 from ..mesh.reading import files_of as mesh_files
+from ..mesh.quadratic import quadratic
 from ..mesh.reading import read_mesh
 from .given import GivenSource
 from .lines import LineSource
@@ -40,6 +41,8 @@ def read_mesh_source(body: Body) -> MeshSource:
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
     mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
+    if body.order == 2:
+        mesh = quadratic(mesh)
     if mesh.body_types == LINES:
         return LineSource(mesh, body)
     from .solids import SolidSource
