@@ -37,7 +37,7 @@ from .selection import InterfaceSelection, Selection
 from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
-Solver = Literal["auto", "factor", "iterative"]
+SolverName = Literal["auto", "factor", "iterative"]
 TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
 """methods of as many modes as are asked for"""
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
@@ -124,7 +124,7 @@ class Impulse(Table):
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
     modes: PositiveInt | None = None
-    solver: Solver = "auto"
+    solver: SolverName = "auto"
 
     @model_validator(mode="after")
     def _of_this_world(self) -> Self:

@@ -10,20 +10,15 @@ from petsc4py import PETSc
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import Solver as Kind
+from ..body.body import SolverName
 from ..errors import MemoryShortageError, MeshError, MethodError
 from ..solving.cost import FEW, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
-from ..solving.gradients import (
-    MOST,
-    SAFETY,
-    energy_left,
-    given_up,
-    not_positive,
-)
-from ..solving.solver import COMPACT, Patient, Solver, condition
+from ..solving.gradients import Columns, Goal, converge
+from ..solving.refined import SHARE_OF_ACCURACY
+from ..solving.solver import COMPACT, Patient, SolverFactory, condition, shifted_product
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
-from .multigrid import Multigrid
+from .multigrid import spread_multigrid
 from .ranks import Ranks
 
 SLOWER = 3.5
@@ -35,12 +30,11 @@ NO_ROOM = (-8, -9, -13, -17, -19, -20)
 PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
 
 
-class ConjugateGradients:
+class SpreadGradients:
     """x = solve(b) with S x = b to an accuracy relative in energy, x^T S x; own rows b (n, k).
 
     All columns at once. precondition: near to S^-1, symmetric and positive definite; the diagonal
-    of S unless another is given. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards
-    49 (1952) 409-436. Raises `NotConvergedError`.
+    of S unless another is given. Raises `NotConvergedError`.
     """
 
     def __init__(
@@ -51,43 +45,21 @@ class ConjugateGradients:
         accuracy: float,
         precondition: Callable[[Array], Array] | None = None,
     ) -> None:
-        self._name, self._n_u = name, structure.n_u
-        self._K, self._M, self._shift = structure.K, structure.M, shift
-        self._total, self._accuracy = structure.total, accuracy
-        self._inverse = 1.0 / (self._K.diagonal() + shift * self._M.diagonal())[:, None]
-        self._precondition = precondition or partial(np.multiply, self._inverse)
+        K, M = structure.K, structure.M
+        inverse = 1.0 / (K.diagonal() + shift * M.diagonal())[:, None]
+        self._system = Columns(
+            partial(shifted_product, K, M, shift),
+            precondition or partial(np.multiply, inverse),
+            structure.processes,
+        )
+        self._goal = Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy)
         self.iterations: list[int] = []
 
     def __call__(self, b: Array) -> Array:
         R = np.array(b.reshape(len(b), -1), order="F")
-        X, P = np.zeros_like(R), self._precondition(R)
-        remaining = first = self._dots(R, P)
-        gains: list[Array] = []
-        while len(gains) < MOST:
-            Y = self._K @ P + self._shift * (self._M @ P)
-            energies = self._dots(P, Y)
-            if not_positive(energies, remaining, first).any():
-                raise given_up(self._name, self._n_u, "the digits of double precision")
-            step = _ratio(remaining, energies)
-            X += step * P
-            R -= step * Y
-            gains.append(step * remaining)
-            enough = (SAFETY * self._accuracy) ** 2 * np.sum(gains, axis=0)
-            if (energy_left(gains) <= enough).all():
-                self.iterations.append(len(gains))
-                return X.reshape(b.shape, order="F")
-            Z = self._precondition(R)
-            before, remaining = remaining, self._dots(R, Z)
-            P = _ratio(remaining, before) * P + Z
-        raise given_up(self._name, self._n_u, f"{MOST} steps of conjugate gradients")
-
-    def _dots(self, A: Array, B: Array) -> Array:
-        return self._total(np.einsum("ik,ik->k", A, B))
-
-
-def _ratio(a: Array, b: Array) -> Array:
-    """a / b (k,), zero where nothing is left."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)
+        found = converge(self._system, R, self._goal)
+        self.iterations.append(len(found.gains))
+        return found.X.reshape(b.shape, order="F")
 
 
 def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
@@ -101,7 +73,7 @@ def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> F
     solve = _Mumps(structure.K, structure.M, shift, name, ranks)
     b = np.random.default_rng(ranks.comm.rank).standard_normal(len(structure.U))
     x = solve(b)
-    left = structure.K @ x + shift * (structure.M @ x) - b
+    left = shifted_product(structure.K, structure.M, shift, x) - b
     size, of_x, of_b = (
         ranks.largest(float(np.abs(found).max(initial=0.0))) for found in (left, x, b)
     )
@@ -161,7 +133,7 @@ class _Mumps:
         return result
 
 
-def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
+def spread_solver(ranks: Ranks, kind: SolverName) -> SolverFactory:
     """The solver that a body file names by impulse.solver.
 
     "auto": the factor, where it takes less time and every machine has room for its share, else
@@ -186,16 +158,16 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     return solver
 
 
-def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> ConjugateGradients:
+def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> SpreadGradients:
     """Conjugate gradients, with multigrid where they would take many steps without and it can be
     had.
     """
-    precondition = None
+    multigrid = None
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
         with suppress(np.linalg.LinAlgError):
-            precondition = Multigrid(structure, shift)
-    note("conjugate gradients" + (" with multigrid" if precondition else "") + f", {PETSC}")
-    return ConjugateGradients(structure, shift, name, accuracy, precondition)
+            multigrid = spread_multigrid(structure, shift)
+    note("conjugate gradients" + (" with multigrid" if multigrid else "") + f", {PETSC}")
+    return SpreadGradients(structure, shift, name, accuracy, multigrid)
 
 
 def _factor_fits(structure: Structure) -> bool:

@@ -10,7 +10,7 @@ from ..body.body import Body
 from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
-from ..solving.solver import Solver, solver_of
+from ..solving.solver import SolverFactory, solver_of
 from .band import Band
 from .losses import with_losses
 from .march import march_kernel
@@ -84,7 +84,7 @@ def krylov_found(
     body: Body,
     stages: Stages,
     parts: Mapping[str, Any] | None,
-    solver: Solver | None = None,
+    solver: SolverFactory | None = None,
 ) -> tuple[Modes, Shapes, float]:
     """The modes that the method krylov finds, their shapes, and their error.
 

@@ -14,7 +14,7 @@ from ..errors import MethodError
 from ..solving.cost import BLOCKS, REAL, WORK
 from ..solving.factor import Factor, Solve
 from ..solving.gradients import NotConvergedError
-from ..solving.solver import Patient, Solver, factorized
+from ..solving.solver import Patient, SolverFactory, factorized
 from .basis import Basis
 from .ritz import ritz_modes, space_shapes
 
@@ -57,7 +57,7 @@ class KrylovSpace:
         structure: Structure,
         shift: float,
         lower: float | None = None,
-        solver: Solver = factorized,
+        solver: SolverFactory = factorized,
         accuracy: float = 0.0,
         at_once: bool = True,
         refined: bool = True,

@@ -13,7 +13,7 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from ..errors import MethodError
-from ..solving.solver import Solver, factorized
+from ..solving.solver import SolverFactory, factorized
 from .accuracy import rounding_error, solution_accuracy, unsolved_error
 from .band import Band
 from .condensation import condensed
@@ -47,7 +47,7 @@ def krylov_modes(
     tolerance: float,
     watch: Watch,
     fields: bool = False,
-    solver: Solver = factorized,
+    solver: SolverFactory = factorized,
 ) -> tuple[Modes, Shapes, float]:
     """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 

@@ -1,6 +1,6 @@
 """Responses at rest: static compliance and initial accelerations of the interfaces."""
 
-from typing import Any
+from itertools import islice
 
 import numpy as np
 from scipy.linalg import qr
@@ -10,6 +10,7 @@ from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
 from ..solving.factor import Solve, factorize
+from ..solving.gradients import Columns, descend
 from .basis import Basis
 
 UNDETERMINED = 1e-3
@@ -125,38 +126,15 @@ def initial_accelerations(structure: Structure) -> Array:
     askew to the axes of the mesh. Source: A. J. Wathen, IMA Journal of Numerical Analysis 7 (1987)
     449-457.
     """
-    solution = _conjugate_gradients(structure.M.tocsr(), structure.loads)
-    return (
-        solution
-        if solution is not None
-        else factorize(structure.M, "the mass matrix")(structure.loads)
-    )
-
-
-def _conjugate_gradients(A: Any, B: Array) -> Array | None:
-    """A^-1 B for B (n, k), with Jacobi's preconditioner; None after `ITERATIONS` steps."""
-    inverse = 1.0 / A.diagonal()[:, None]
-    small = CONVERGED * np.linalg.norm(B, axis=0)
-    X, R = np.zeros_like(B), B.copy()
-    Z = inverse * R
-    P, rz = Z, _dots(R, Z)
-    for _ in range(ITERATIONS):
-        AP = A @ P
-        step = rz / _dots(P, AP)
-        X += step * P
-        R -= step * AP
+    M, loads = structure.M.tocsr(), structure.loads
+    inverse = 1.0 / M.diagonal()[:, None]
+    system = Columns(lambda P: M @ P, lambda R: inverse * R)
+    small = CONVERGED * np.linalg.norm(loads, axis=0)
+    X, R = np.zeros_like(loads), loads.copy()
+    for _ in islice(descend(system, R, X), ITERATIONS):
         if (np.linalg.norm(R, axis=0) <= small).all():
             return X
-        Z = inverse * R
-        rz, before = _dots(R, Z), rz
-        P = Z + (rz / before) * P
-    return None
-
-
-def _dots(A: Array, B: Array) -> Array:
-    """The inner products of columns."""
-    products: Array = np.einsum("ik,ik->k", A, B)
-    return products
+    return factorize(M, "the mass matrix")(loads)
 
 
 def _determinate_dofs(structure: Structure) -> Array:

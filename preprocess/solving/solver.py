@@ -10,17 +10,17 @@ import numpy as np
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import Solver as Kind
+from ..body.body import SolverName
 from ..memory import require
+from .aggregates import panel_multigrid
 from .cost import BLOCKS, FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from .factor import COARSER, Solve, factorize, note
-from .gradients import ConjugateGradients, NotConvergedError, given_up
-from .loops import with_loops
-from .mixed import BYTES, SECONDS, MixedFactor, single_factor
-from .multigrid import Multigrid
+from .gradients import NotConvergedError, given_up
+from .mixed import MIXED_BYTES_RATIO, MIXED_SECONDS_RATIO, MixedFactor, single_factor
 from .panels import in_blocks
+from .refined import RefinedGradients
 
-Solver = Callable[[Structure, float, str, float, int], Solve]
+SolverFactory = Callable[[Structure, float, str, float, int], Solve]
 """x = S^-1 b for S = K + s M, from a structure, s, what errors call S, the accuracy of x, and the
 number of blocks to expect
 """
@@ -34,8 +34,8 @@ LARGEST = 3.0
 """The largest eigenvalue of D^-1 S, about."""
 
 
-def solver_of(kind: Kind) -> Solver:
-    """The solver that a body file names, or for "auto" the one that costs less."""
+def solver_of(kind: SolverName) -> SolverFactory:
+    """What makes solutions as a body file names it, or for "auto" what costs less."""
     match kind:
         case "factor":
             return factorized
@@ -60,13 +60,15 @@ def mixed(
     """
     K, M = structure.K, structure.M
     factor = partial(factorized, structure, shift, name, accuracy)
-    needed = BYTES * factor_cost(structure.n_u, K.nnz, structure.P_C.shape[0]).bytes
+    needed = MIXED_BYTES_RATIO * factor_cost(structure.n_u, K.nnz, structure.P_C.shape[0]).bytes
     require({f"the factor of {name} ({structure.n_u} unknowns)": needed}, COARSER)
     single = single_factor(K + shift * M)
     if single is None:
         return factor()
     note("rslab in single precision, refined")
-    return Patient(MixedFactor(name, partial(_product, K, M, shift), single, accuracy), factor)
+    return Patient(
+        MixedFactor(name, partial(shifted_product, K, M, shift), single, accuracy), factor
+    )
 
 
 def iterated(
@@ -76,15 +78,16 @@ def iterated(
     K, M = structure.K, structure.M
     what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
     require({what: costs(structure, shift, accuracy).iterative.bytes}, COARSER)
-    panels = in_blocks(K, M, shift)
-    precondition = None
+    single = in_blocks(K, M, shift)
+    multigrid = None
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
         try:
-            precondition = with_loops(partial(Multigrid, panels, structure.U))
+            multigrid = panel_multigrid(single, structure.U)
         except np.linalg.LinAlgError as error:
             raise given_up(name, structure.n_u, "the digits of single precision") from error
-    note("conjugate gradients" + (" with multigrid" if precondition else ""))
-    return ConjugateGradients(name, panels, partial(_product, K, M, shift), accuracy, precondition)
+    note("conjugate gradients" + (" with multigrid" if multigrid else ""))
+    product = partial(shifted_product, K, M, shift)
+    return RefinedGradients(name, single, product, accuracy, multigrid)
 
 
 def cheaper(
@@ -162,7 +165,7 @@ def costs(structure: Structure, shift: float, accuracy: float, blocks: int = BLO
     sizes = structure.n_u, structure.K.nnz, structure.P_C.shape[0]
     factor = factor_cost(*sizes, blocks)
     if structure.n_u >= MIXED:
-        factor = Cost(SECONDS * factor.seconds, BYTES * factor.bytes)
+        factor = Cost(MIXED_SECONDS_RATIO * factor.seconds, MIXED_BYTES_RATIO * factor.bytes)
     return Costs(
         factor,
         gradient_cost(*sizes, condition(structure, shift), accuracy, blocks),
@@ -185,8 +188,8 @@ def condition(structure: Structure, shift: float) -> float:
     return LARGEST * largest / shift
 
 
-def _product(K: Any, M: Any, shift: float, X: Array) -> Array:
-    """S X in double precision."""
+def shifted_product(K: Any, M: Any, shift: float, X: Array) -> Array:
+    """S X with S = K + s M, in double precision."""
     found: Array = K @ X + shift * (M @ X)
     return found
 
