@@ -1,6 +1,5 @@
 """Linear systems S x = b with S = K + s M spread over processes."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 
@@ -14,7 +13,7 @@ from ..body.body import SolverName
 from ..errors import MemoryShortageError, MeshError, MethodError
 from ..solving.cost import FEW, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
-from ..solving.gradients import Columns, Goal, converge
+from ..solving.gradients import ColumnGradients, Columns, Goal
 from ..solving.refined import SHARE_OF_ACCURACY
 from ..solving.solver import COMPACT, Patient, SolverFactory, condition, shifted_product
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
@@ -28,38 +27,6 @@ ROW = 80
 NO_ROOM = (-8, -9, -13, -17, -19, -20)
 """INFOG(1) of MUMPS where it is short of memory, or of a buffer."""
 PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
-
-
-class SpreadGradients:
-    """x = solve(b) with S x = b to an accuracy relative in energy, x^T S x; own rows b (n, k).
-
-    All columns at once. precondition: near to S^-1, symmetric and positive definite; the diagonal
-    of S unless another is given. Raises `NotConvergedError`.
-    """
-
-    def __init__(
-        self,
-        structure: Structure,
-        shift: float,
-        name: str,
-        accuracy: float,
-        precondition: Callable[[Array], Array] | None = None,
-    ) -> None:
-        K, M = structure.K, structure.M
-        inverse = 1.0 / (K.diagonal() + shift * M.diagonal())[:, None]
-        self._system = Columns(
-            partial(shifted_product, K, M, shift),
-            precondition or partial(np.multiply, inverse),
-            structure.processes,
-        )
-        self._goal = Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy)
-        self.iterations: list[int] = []
-
-    def __call__(self, b: Array) -> Array:
-        R = np.array(b.reshape(len(b), -1), order="F")
-        found = converge(self._system, R, self._goal)
-        self.iterations.append(len(found.gains))
-        return found.X.reshape(b.shape, order="F")
 
 
 def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
@@ -158,16 +125,20 @@ def spread_solver(ranks: Ranks, kind: SolverName) -> SolverFactory:
     return solver
 
 
-def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> SpreadGradients:
+def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> ColumnGradients:
     """Conjugate gradients, with multigrid where they would take many steps without and it can be
-    had.
+    had; else with the diagonal of S.
     """
-    multigrid = None
+    K, M = structure.K, structure.M
+    precondition: Solve = partial(np.multiply, 1.0 / (K.diagonal() + shift * M.diagonal())[:, None])
+    multigrid = ""
     if gradient_steps(condition(structure, shift), accuracy) > FEW:
         with suppress(np.linalg.LinAlgError):
-            multigrid = spread_multigrid(structure, shift)
-    note("conjugate gradients" + (" with multigrid" if multigrid else "") + f", {PETSC}")
-    return SpreadGradients(structure, shift, name, accuracy, multigrid)
+            precondition, multigrid = spread_multigrid(structure, shift), " with multigrid"
+    note(f"conjugate gradients{multigrid}, {PETSC}")
+    product = partial(shifted_product, K, M, shift)
+    system = Columns(product, precondition, structure.processes, order="F")
+    return ColumnGradients(system, Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy))
 
 
 def _factor_fits(structure: Structure) -> bool:

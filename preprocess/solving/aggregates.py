@@ -97,8 +97,7 @@ def largest_block_eigenvalue(S: Blocks) -> float:
     """That of D^-1 S with D the blocks on the diagonal of S, with a margin."""
     rng = np.random.default_rng(0)
     R = rng.standard_normal((S.n_nodes, 3, PANEL_WIDTH), dtype=np.float32)
-    with S.loops:
-        return largest_eigenvalue(PanelSystem(S), R)
+    return largest_eigenvalue(PanelSystem(S), R)
 
 
 def _solve_coarsest(factor: Any, R: Panel, Z: Panel) -> None:

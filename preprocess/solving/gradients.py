@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +47,15 @@ class System(Protocol[Vectors]):
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A `System` of the columns of arrays (n, k) in double precision; own rows of each process."""
+    """A `System` of the columns of arrays (n, k) in double precision; own rows of each process.
+
+    order: in which the product is quickest.
+    """
 
     product: Callable[[Array], Array]
     inverse: Callable[[Array], Array]
     processes: Processes = ALONE
+    order: Literal["C", "F"] = "C"
 
     def multiply(self, P: Array) -> tuple[Array, Array]:
         Y = self.product(P)
@@ -80,11 +84,6 @@ class Step(NamedTuple):
     remaining: Array
     energies: Array
 
-    @property
-    def gain(self) -> Array:
-        """What the step takes off the square of the error in energy (k,)."""
-        return self.length * self.remaining
-
 
 def descend(system: System[Vectors], R: Vectors, X: Vectors) -> Iterator[Step]:
     """Steps of conjugate gradients without end, which add S^-1 R to X and leave in R the residual.
@@ -110,7 +109,7 @@ def ratio(a: Array, b: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Solution(Generic[Vectors]):
-    """X, the gain of every step, and the square of the error in energy that is left (k,)."""
+    """X, what each step took off the square of the error in energy, and what is left of it (k,)."""
 
     X: Vectors
     gains: list[Array]
@@ -175,7 +174,7 @@ def converge(
     X, steps, gains = np.zeros_like(R), [], []
     for step in islice(descend(system, R, X), goal.max_steps):
         steps.append(step)
-        gains.append(step.gain)
+        gains.append(step.length * step.remaining)
         negligible = NEGLIGIBLE_REMAINDER * np.abs(steps[0].remaining)
         if (~(step.energies > 0.0) & ~(np.abs(step.remaining) <= negligible)).any():
             digits = "single" if R.dtype == np.float32 else "double"
@@ -184,3 +183,24 @@ def converge(
         if (left <= np.maximum(enough, goal.relative**2 * np.sum(gains, axis=0))).all():
             return Solution(X, gains, left)
     raise given_up(goal.name, goal.n_u, f"{goal.max_steps} steps of conjugate gradients")
+
+
+class ColumnGradients:
+    """x = solve(b) with S x = b for b (n,) or (n, k), all columns at once; own rows of each process.
+
+    Of each solution so far, iterations: its steps; first_errors: the largest error that the first
+    of them has left, relative in energy. `NotConvergedError` if it does not converge.
+    """
+
+    def __init__(self, system: Columns, goal: Goal) -> None:
+        self._system, self._goal = system, goal
+        self.iterations: list[int] = []
+        self.first_errors: list[float] = []
+
+    def __call__(self, b: Array) -> Array:
+        R = np.array(b.reshape(len(b), -1), order=self._system.order)
+        found = converge(self._system, R, self._goal)
+        left = ratio(found.energy - found.gains[0], found.energy)
+        self.iterations.append(len(found.gains))
+        self.first_errors.append(float(np.sqrt(left).max()))
+        return found.X.reshape(b.shape)

@@ -4,13 +4,11 @@ numba compiles them when they are first needed, in some seconds.
 """
 
 # mypy: allow-untyped-defs
-from collections import deque
-from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,39 +24,23 @@ Panel = NDArray[np.float32]
 
 
 class Loops:
-    """The loops of `compiled_loops`, run in pieces by threads that live as long as a `with` block.
-
-    Outside of one, the calling thread does all of the pieces.
-    """
+    """The loops of `compiled_loops`, each of them run in pieces by a pool of threads."""
 
     def __init__(self) -> None:
-        self._compiled = compiled_loops()
-        self._pool: ThreadPoolExecutor | None = None
-
-    def __enter__(self) -> Self:
-        self._pool = ThreadPoolExecutor(threads())
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown()
-        self._pool = None
+        self._compiled, self._pool = compiled_loops(), ThreadPoolExecutor(threads())
 
     def run(self, name: str, n_nodes: int, *arguments: Any) -> None:
         """All nodes, one after the other or at once."""
         loop = getattr(self._compiled, name)
-        self._map(lambda piece: loop(*arguments, *piece), _pieces(n_nodes))
+        list(self._pool.map(lambda piece: loop(*arguments, *piece), _pieces(n_nodes)))
 
     def sum(self, name: str, n_nodes: int, *arguments: Any) -> Array:
         """The same; what the loop adds up for each vector (16,)."""
         loop, pieces = getattr(self._compiled, name), _pieces(n_nodes)
         sums = np.zeros((len(pieces), PANEL_WIDTH))
-        self._map(lambda n: loop(*arguments, sums[n], *pieces[n]), range(len(pieces)))
+        list(self._pool.map(lambda total, piece: loop(*arguments, total, *piece), sums, pieces))
         total: Array = sums.sum(axis=0)
         return total
-
-    def _map(self, work: Callable[[Any], None], jobs: Iterable[Any]) -> None:
-        deque((map if self._pool is None else self._pool.map)(work, jobs), maxlen=0)
 
 
 def _pieces(n_nodes: int) -> list[tuple[int, int]]:

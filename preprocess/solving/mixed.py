@@ -2,14 +2,14 @@
 time of a factor in double precision.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...superelement.validation import Array
 from ..threads import threads
-from .gradients import Columns, Goal, converge, ratio
+from .factor import Solve
+from .gradients import ColumnGradients, Columns, Goal, ratio
 
 MAX_MIXED_STEPS = 12
 """Beyond, the factor is no preconditioner: two or three are taken by bodies of solids."""
@@ -23,42 +23,25 @@ MIXED_SECONDS_RATIO = 0.55
 """To a factor in double precision, with solutions of two steps."""
 
 
-class MixedFactor:
+class MixedFactor(ColumnGradients):
     """x = solve(b) with S x = b for b (n_u, k), relative in energy to `accuracy`.
 
-    factor: solves with S~, which is S as single precision has it. `NotConvergedError` where the
-    error does not fall.
+    factor: solves with S~, which is S as single precision has it.
     """
 
-    def __init__(
-        self,
-        name: str,
-        product: Callable[[Array], Array],
-        factor: Callable[[Array], Array],
-        accuracy: float,
-    ) -> None:
-        self._name, self._factor = name, factor
-        self._system, self._accuracy = Columns(product, factor), accuracy
-        self._errors: list[float] = []
+    def __init__(self, name: str, n_u: int, product: Solve, factor: Solve, accuracy: float) -> None:
+        relative = MIXED_SHARE_OF_ACCURACY * accuracy
+        goal = Goal(name, n_u, relative, MAX_MIXED_STEPS, _energy_left)
+        super().__init__(Columns(product, factor), goal)
 
     @property
     def first_error(self) -> float:
         """The largest error that a first step has left, relative in energy."""
-        return max(self._errors, default=np.inf)
+        return max(self.first_errors, default=np.inf)
 
     def once(self, b: Array) -> Array:
         """S~^-1 b, half the work of a solution: right to about `first_error`."""
-        return self._factor(b)
-
-    def __call__(self, b: Array) -> Array:
-        R = b.reshape(len(b), -1).copy()
-        relative = MIXED_SHARE_OF_ACCURACY * self._accuracy
-        found = converge(
-            self._system, R, Goal(self._name, len(b), relative, MAX_MIXED_STEPS, _energy_left)
-        )
-        after_first = ratio(found.energy - found.gains[0], found.energy)
-        self._errors.append(float(np.sqrt(after_first).max()))
-        return found.X.reshape(b.shape)
+        return self._system.inverse(b)
 
 
 def _energy_left(gains: list[Array]) -> Array:
@@ -74,7 +57,7 @@ def _energy_left(gains: list[Array]) -> Array:
     return left
 
 
-def single_factor(S: Any) -> Callable[[Array], Array] | None:
+def single_factor(S: Any) -> Solve | None:
     """Solutions with a sparse symmetric matrix as single precision has it, by rslab; None where
     that is not positive definite.
     """

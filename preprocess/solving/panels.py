@@ -49,14 +49,6 @@ class Blocks:
     def n_nodes(self) -> int:
         return len(self.first) - 1
 
-    def multiply(self, P: Panel, Y: Panel) -> Array:
-        """Y = S P / scale; the products P . Y (16,)."""
-        return self.loops.sum("multiply", self.n_nodes, self.first, self.columns, self.blocks, P, Y)
-
-    def solve_diagonal(self, R: Panel, Z: Panel) -> Array:
-        """Z = D^-1 R with the blocks D on the diagonal of S / scale; the products R . Z (16,)."""
-        return self.loops.sum("diagonal", self.n_nodes, self.inverses, R, Z)
-
     def ordered(self, B: Array) -> Array:
         """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, k), zeros for fillers."""
         real = self.order < self.n_u
@@ -85,32 +77,30 @@ class Blocks:
 
 
 class PanelSystem:
-    """A `System` (gradients.py) of panels (n_nodes, 3, 16) for S / scale.
-
-    precondition: Z = T R, written into Z; with the blocks on the diagonal unless it is given.
+    """A `System` of panels, for S / scale. cycle(R, Z): Z = T R by multigrid, if there is one; else
+    T are the inverse blocks on the diagonal.
     """
 
-    def __init__(
-        self, S: Blocks, precondition: Callable[[Panel, Panel], None] | None = None
-    ) -> None:
-        self._S, self._precondition = S, precondition
-        shape = (S.n_nodes, 3, PANEL_WIDTH)
-        self._Y, self._Z = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    def __init__(self, S: Blocks, cycle: Callable[[Panel, Panel], None] | None = None) -> None:
+        self._S, self._cycle, self._run, self._sum = S, cycle, S.loops.run, S.loops.sum
+        self._Y, self._Z = np.empty((2, S.n_nodes, 3, PANEL_WIDTH), dtype=np.float32)
 
     def multiply(self, P: Panel) -> tuple[Panel, Array]:
-        return self._Y, self._S.multiply(P, self._Y)
+        S, Y = self._S, self._Y
+        return Y, self._sum("multiply", S.n_nodes, S.first, S.columns, S.blocks, P, Y)
 
     def precondition(self, R: Panel) -> tuple[Panel, Array]:
-        if self._precondition is None:
-            return self._Z, self._S.solve_diagonal(R, self._Z)
-        self._precondition(R, self._Z)
-        return self._Z, self._S.loops.sum("dots", self._S.n_nodes, R, self._Z)
+        S, Z = self._S, self._Z
+        if self._cycle is None:
+            return Z, self._sum("diagonal", S.n_nodes, S.inverses, R, Z)
+        self._cycle(R, Z)
+        return Z, self._sum("dots", S.n_nodes, R, Z)
 
     def advance(self, alpha: Array, P: Panel, Y: Panel, X: Panel, R: Panel) -> None:
-        self._S.loops.run("advance", self._S.n_nodes, alpha.astype(np.float32), P, Y, X, R)
+        self._run("advance", self._S.n_nodes, alpha.astype(np.float32), P, Y, X, R)
 
     def turn(self, beta: Array, Z: Panel, P: Panel) -> None:
-        self._S.loops.run("turn", self._S.n_nodes, beta.astype(np.float32), Z, P)
+        self._run("turn", self._S.n_nodes, beta.astype(np.float32), Z, P)
 
 
 def in_blocks(K: Any, M: Any, shift: float) -> Blocks:

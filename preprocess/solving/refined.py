@@ -43,33 +43,32 @@ class RefinedGradients:
         enough = before = np.zeros(B.shape[1])
         residual, missed = B, 0.0
         for turn in range(MAX_REFINEMENTS):
-            found = self._in_single(residual, enough)
-            X += found.X
-            taken += found.steps
+            new, energy, error, steps = self._in_single(residual, enough)
+            X += new
+            taken += steps
             residual = B - self.product(X)
             # Single precision takes directions for stiffer than they are: x (S~ - S) x.
-            energy_missed = np.abs(np.einsum("ik,ik->k", found.X, residual))
-            counted = np.where(found.energy > enough, energy_missed, 0.0)
-            missed = max(missed, *ratio(counted, found.energy))
+            energy_missed = np.abs(np.einsum("ik,ik->k", new, residual))
+            counted = np.where(energy > enough, energy_missed, 0.0)
+            missed = max(missed, *ratio(counted, energy))
             if turn == 0:
-                enough = (SHARE_OF_ACCURACY * self.accuracy) ** 2 * found.energy
+                enough = (SHARE_OF_ACCURACY * self.accuracy) ** 2 * energy
             elif missed < 1.0:
                 # Solutions to come are in geometric progression: by what this one found of what the
                 # one before has left, and along what single precision has missed most, by that.
-                rate = np.sqrt(ratio(found.energy, before))
+                rate = np.sqrt(ratio(energy, before))
                 series = np.divide(rate, 1.0 - rate, out=np.full_like(rate, np.inf), where=rate < 1)
-                coming = series**2 * found.energy
-                left = [found.left, coming, missed / (1.0 - missed) * energy_missed]
+                coming = series**2 * energy
+                left = [error, coming, missed / (1.0 - missed) * energy_missed]
                 if (np.max(left, axis=0) <= enough).all():
                     self.iterations.append(taken)
                     return X.reshape(b.shape)
-            before = found.energy
+            before = energy
         raise given_up(self.name, len(b), f"{MAX_REFINEMENTS} solutions in single precision")
 
-    def _in_single(self, B: Array, enough: Array) -> "_Found":
-        """The solution up to `SINGLE_PRECISION_ERROR`, or a square of the error of `enough` (k,).
-
-        Columns are divided by their sizes: single precision ends at 1e-38 and 1e38.
+    def _in_single(self, B: Array, enough: Array) -> tuple[Array, Array, Array, int]:
+        """The solution up to `SINGLE_PRECISION_ERROR`, or a square of the error of `enough` (k,);
+        its energy, the square of its error in energy (k,), and the steps.
         """
         sizes = np.abs(B).max(axis=0)
         unit = np.where(sizes > 0.0, sizes, 1.0)
@@ -77,9 +76,8 @@ class RefinedGradients:
         relative = max(SINGLE_PRECISION_ERROR, SHARE_OF_ACCURACY * self.accuracy)
         goal = Goal(self.name, self.blocks.n_u, relative, self.max_steps)
         panels = zip(self.blocks.panels(B / unit), _in_panels(enough / squared), strict=True)
-        with self.blocks.loops:
-            system = PanelSystem(self.blocks, self.multigrid)
-            found = [converge(system, R, goal, allowed) for R, allowed in panels]
+        system = PanelSystem(self.blocks, self.multigrid)
+        found = [converge(system, R, goal, allowed) for R, allowed in panels]
         k = B.shape[1]
         X = self.blocks.vectors([panel.X for panel in found], k) * (unit / self.blocks.scale)
         energy, left = (
@@ -87,17 +85,7 @@ class RefinedGradients:
             for name in ("energy", "left")
         )
         trusted = np.maximum(left, (SHARE_OF_ACCURACY * SINGLE_PRECISION_ERROR) ** 2 * energy)
-        return _Found(X, energy, trusted, sum(len(panel.gains) for panel in found))
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """Solutions, their energies and the squares of their errors in energy (k,), and the steps."""
-
-    X: Array
-    energy: Array
-    left: Array
-    steps: int
+        return X, energy, trusted, sum(len(panel.gains) for panel in found)
 
 
 def _in_panels(values: Array) -> Array:

@@ -66,9 +66,8 @@ def mixed(
     if single is None:
         return factor()
     note("rslab in single precision, refined")
-    return Patient(
-        MixedFactor(name, partial(shifted_product, K, M, shift), single, accuracy), factor
-    )
+    product = partial(shifted_product, K, M, shift)
+    return Patient(MixedFactor(name, structure.n_u, product, single, accuracy), factor)
 
 
 def iterated(
