@@ -28,10 +28,9 @@ from .solving.factor import factorizations
 from .sources.reading import read_source
 from .threads import blas_threads
 
-FEWEST = 3
-"""dofs of an interface, at least"""
+MIN_INTERFACE_DOFS = 3
 Told = Callable[[str], object]
-PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
+STATED_PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
 
 def silent(doubt: str) -> None:
@@ -53,7 +52,7 @@ def build(body: Body, progress: bool = False, told: Told = silent) -> Supereleme
     doubt about the mesh, the step and the band (plausibility.py).
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
+    require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
     with (
         memory_shortage_told(),
         refused_where_singular(),
@@ -192,7 +191,7 @@ def _rotation(
 
 
 def _versions(summaries: list[str]) -> dict[str, str]:
-    versions = {name: metadata.version(name) for name in PACKAGES}
+    versions = {name: metadata.version(name) for name in STATED_PACKAGES}
     if summaries:
         versions["factorization"] = ", ".join(dict.fromkeys(summaries))
     return versions

@@ -38,13 +38,12 @@ from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
 SolverName = Literal["auto", "factor", "iterative"]
-TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
-"""methods of as many modes as are asked for"""
+# Of as many modes as are asked for.
+TRUNCATED_METHODS: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
-MOST = 32
-"""modes, or soft shapes, of which the inertia and stiffness of a body may depend"""
+MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
 def _as_matrix(value: Any) -> Any:
@@ -157,10 +156,10 @@ class Impulse(Table):
 
     @model_validator(mode="after")
     def _modes_of_their_methods(self) -> Self:
-        if self.method not in TRUNCATED:
+        if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
-                    f"modes: expected only with method {' or '.join(TRUNCATED)}, "
+                    f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
             return self
@@ -193,10 +192,10 @@ class NonlinearCoordinates(Table):
     not tell what loads stiffen, the lowest modes, and the softest shapes if a number is given.
     """
 
-    modes: Annotated[int, Field(ge=1, le=MOST)] = 4
+    modes: Annotated[int, Field(ge=1, le=MAX_ROTATION_SHAPES)] = 4
     soft: Annotated[
-        Literal["auto"] | Annotated[int, Field(ge=0, le=MOST)],
-        expected(f'"auto" or a number from 0 to {MOST}'),
+        Literal["auto"] | Annotated[int, Field(ge=0, le=MAX_ROTATION_SHAPES)],
+        expected(f'"auto" or a number from 0 to {MAX_ROTATION_SHAPES}'),
     ] = "auto"
     loaded: Annotated[tuple[str, ...], expected("a list of interfaces")] | None = None
     level: Annotated[Literal[1, 2], expected("1 or 2")] = 1
@@ -399,7 +398,7 @@ class Body(Table):
         return self.model_copy(update=paths)
 
     def with_modes(self, method: Method, modes: int) -> "Body":
-        """A copy of which the superelement has a number of modes, by a method of `TRUNCATED`.
+        """A copy of which the superelement has a number of modes, by one of `TRUNCATED_METHODS`.
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """

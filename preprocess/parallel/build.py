@@ -18,7 +18,7 @@ from ..assembly.structure import (
 from ..body.body import Body
 from ..body.loss import scaled
 from ..build import (
-    FEWEST,
+    MIN_INTERFACE_DOFS,
     Told,
     checked_source,
     doubts_of_responses,
@@ -29,7 +29,7 @@ from ..errors import MethodError
 from ..plausibility import refused_where_singular
 from ..progress import Stages, shown_stages
 from ..responses.impulse import krylov_found, krylov_responses, require_memory
-from ..responses.modal import SMALL
+from ..responses.modal import FULL_MODAL_UNKNOWNS
 from ..solving.factor import factorizations
 from ..sources.solids import SolidSource
 from .matrices import SpreadMass, SpreadMatrix
@@ -39,8 +39,7 @@ from .ranks import Ranks
 from .shapes import AskedShapes, answer
 from .solve import spread_solver
 
-METHODS = ("auto", "krylov")
-"""values of impulse.method that more than one process can do"""
+SPREAD_METHODS = ("auto", "krylov")  # values of impulse.method that more than one process can do
 
 
 def build_together(body: Body, ranks: Ranks, progress: bool, told: Told) -> Superelement | None:
@@ -89,8 +88,8 @@ def _build(
 
 def _read(body: Body, told: Told) -> SolidSource:
     """The mesh of a body of solids; `MethodError` for a body that takes one process."""
-    require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
-    if body.impulse.method not in METHODS:
+    require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
+    if body.impulse.method not in SPREAD_METHODS:
         raise MethodError(
             f"impulse.method {body.impulse.method} takes one process: expected krylov or auto, or "
             "no MPI"
@@ -102,7 +101,7 @@ def _read(body: Body, told: Told) -> SolidSource:
     source = checked_source(body, told)
     if not isinstance(source, SolidSource):
         raise MethodError(f"{source.name}, a mesh of lines, takes one process: run it without MPI")
-    if body.impulse.method == "auto" and source.nodes.n_dofs <= SMALL:
+    if body.impulse.method == "auto" and source.nodes.n_dofs <= FULL_MODAL_UNKNOWNS:
         raise MethodError(
             f"{source.name}: all modes of {source.nodes.n_dofs} unknowns are found at once by one "
             'process: run it without MPI, or with impulse.method = "krylov"'

@@ -17,12 +17,9 @@ from ..solving.gradients import Columns
 from ..solving.multigrid import Multigrid, chebyshev_weights, coarsest_factor, largest_eigenvalue
 from .matrices import product, shifted
 
-MAX_COARSEST_UNKNOWNS = 600
-"""Of a level that is solved by a dense factor."""
-OPTIONS_PREFIX = "duhamel_multigrid_"
-"""Of what PETSc is told."""
-RANDOM_COLUMNS = 6
-"""Vectors at once by which the largest eigenvalue is found."""
+MAX_COARSEST_UNKNOWNS = 600  # of a level that is solved by a dense factor
+OPTIONS_PREFIX = "duhamel_multigrid_"  # of what PETSc is told
+RANDOM_COLUMNS = 6  # vectors at once by which the largest eigenvalue is found
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,22 +11,20 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import SolverName
 from ..errors import MemoryShortageError, MeshError, MethodError
-from ..solving.cost import FEW, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
+from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
+from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve, note
 from ..solving.gradients import ColumnGradients, Columns, Goal
 from ..solving.refined import SHARE_OF_ACCURACY
-from ..solving.solver import COMPACT, Patient, SolverFactory, condition, shifted_product
+from ..solving.solver import COMPACT_SHARE, Patient, SolverFactory, condition, shifted_product
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
 from .multigrid import spread_multigrid
 from .ranks import Ranks
 
-SLOWER = 3.5
-"""How much longer conjugate gradients take here than by their formula, that of single precision."""
-ROW = 80
-"""Entries in a row of the stiffness of a solid, about."""
+SPREAD_SLOWDOWN = 3.5  # of gradients beside their formula, that of single precision
+STIFFNESS_ROW_ENTRIES = 80  # of a solid, about
 NO_ROOM = (-8, -9, -13, -17, -19, -20)
 """INFOG(1) of MUMPS where it is short of memory, or of a buffer."""
-PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
+PETSC_VERSION = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
 
 
 def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
@@ -45,12 +43,12 @@ def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> F
         ranks.largest(float(np.abs(found).max(initial=0.0))) for found in (left, x, b)
     )
     residual = size / (solve.norm * of_x + of_b)
-    if not residual <= ACCURATE:
+    if not residual <= MAX_FACTOR_RESIDUAL:
         raise MethodError(
             f"{name} ({structure.n_u} unknowns) could not be factorized: mumps: relative residual "
-            f"{residual:.1e}, expected {ACCURATE:g} at most"
+            f"{residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
         )
-    factor = Factor(solve, f"mumps, {PETSC}", residual)
+    factor = Factor(solve, f"mumps, {PETSC_VERSION}", residual)
     note(factor.summary)
     return factor
 
@@ -80,7 +78,7 @@ class _Mumps:
         if code in NO_ROOM:
             raise MemoryShortageError(
                 f"{name} ({K.shape[0]} unknowns): MUMPS has no room for the factor (INFOG(1) = "
-                f"{code}): {COARSER}",
+                f"{code}): {COARSER_MESH_ADVICE}",
                 np.inf,
                 available(),
             )
@@ -132,10 +130,10 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     K, M = structure.K, structure.M
     precondition: Solve = partial(np.multiply, 1.0 / (K.diagonal() + shift * M.diagonal())[:, None])
     multigrid = ""
-    if gradient_steps(condition(structure, shift), accuracy) > FEW:
+    if gradient_steps(condition(structure, shift), accuracy) > MAX_PLAIN_STEPS:
         with suppress(np.linalg.LinAlgError):
             precondition, multigrid = spread_multigrid(structure, shift), " with multigrid"
-    note(f"conjugate gradients{multigrid}, {PETSC}")
+    note(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
     product = partial(shifted_product, K, M, shift)
     system = Columns(product, precondition, structure.processes, order="F")
     return ColumnGradients(system, Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy))
@@ -144,17 +142,20 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
 def _factor_fits(structure: Structure) -> bool:
     """Whether every machine has room for its share of a factor and of the basis."""
     n_u, n_c = structure.n_u, structure.P_C.shape[0]
-    needed = factor_cost(n_u, ROW * n_u, n_c).bytes + basis_bytes(n_u, n_c)
+    needed = factor_cost(n_u, STIFFNESS_ROW_ENTRIES * n_u, n_c).bytes + basis_bytes(n_u, n_c)
     share = structure.n_here / n_u
     return structure.processes.largest(share * needed / available()) < 1.0
 
 
 def _factor_is_quicker(structure: Structure, shift: float, accuracy: float, blocks: int) -> bool:
-    sizes = structure.n_u, ROW * structure.n_u, structure.P_C.shape[0]
+    sizes = structure.n_u, STIFFNESS_ROW_ENTRIES * structure.n_u, structure.P_C.shape[0]
     kappa = condition(structure, shift)
 
     def quicker() -> bool:
         gradients = gradient_cost(*sizes, kappa, accuracy, blocks)
-        return COMPACT * factor_cost(*sizes, blocks).seconds <= SLOWER * gradients.seconds
+        return (
+            COMPACT_SHARE * factor_cost(*sizes, blocks).seconds
+            <= SPREAD_SLOWDOWN * gradients.seconds
+        )
 
     return structure.processes.agreed(quicker)

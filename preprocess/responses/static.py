@@ -1,6 +1,7 @@
 """Responses at rest: static compliance and initial accelerations of the interfaces."""
 
 from itertools import islice
+from typing import Any
 
 import numpy as np
 from scipy.linalg import qr
@@ -13,14 +14,13 @@ from ..solving.factor import Solve, factorize
 from ..solving.gradients import Columns, descend
 from .basis import Basis
 
-UNDETERMINED = 1e-3
+MAX_REFINEMENT_CHANGE = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it
 is rounding.
 """
-ITERATIONS = 200
-"""Steps of conjugate gradients; meshes of solids take 60 or so, whatever their size."""
-CONVERGED = 1e-14
-CHAIN = 5
+MAX_MASS_STEPS = 200  # of gradients: meshes of solids take 60 or so, whatever their size
+MASS_RESIDUAL = 1e-14
+MAX_SLOW_BLOCKS = 5
 """Blocks of slow responses at most: up to half the first frequency each leaves a sixteenth of the
 error.
 """
@@ -82,7 +82,7 @@ def refined(structure: Structure, solve: Solve, f: Array) -> Array:
 
 
 def slow_chain(structure: Structure) -> list[Array]:
-    """P K^+ F, P K^+ M K^+ F, ...: up to `CHAIN` blocks (n_u, 6); none without loads of rotation.
+    """P K^+ F, P K^+ M K^+ F, ...: up to `MAX_SLOW_BLOCKS` blocks (n_u, 6), for loads of rotation.
 
     In a space with k of them the changes d = F^T u of inertia under loads F s are right in their
     first 2 k terms in powers of the squared frequency, the first of which is the response at rest.
@@ -90,11 +90,11 @@ def slow_chain(structure: Structure) -> list[Array]:
     if structure.inertia is None:
         return []
     solve = static_solver(structure)
-    most = structure.U.shape[1] + CHAIN * structure.inertia_loads.shape[1]
+    most = structure.U.shape[1] + MAX_SLOW_BLOCKS * structure.inertia_loads.shape[1]
     basis = Basis(structure, most)
     basis.extend(structure.U)
     blocks = [refined(structure, solve, structure.inertia_loads)]
-    while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):
+    while len(blocks) < MAX_SLOW_BLOCKS and (new := basis.extend(blocks[-1])):
         blocks.append(solve(structure.M @ basis.V[:, basis.columns - new :]))
     return blocks
 
@@ -102,11 +102,11 @@ def slow_chain(structure: Structure) -> list[Array]:
 def _check_determined(H: Array, change: Array) -> None:
     """`MeshError` for a compliance that one step of refinement changes."""
     scale = np.sqrt(np.abs(np.diag(H)))
-    if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
+    if (found := np.max(np.abs(change) / np.outer(scale, scale))) > MAX_REFINEMENT_CHANGE:
         raise MeshError(
             "the static compliance of the body is not determined: one step of refinement changes "
-            f"it by {found:.1e}, expected {UNDETERMINED:g} at most: the body is a mechanism, "
-            "or far too slender for its mesh"
+            f"it by {found:.1e}, expected {MAX_REFINEMENT_CHANGE:g} at most: the body is a "
+            "mechanism, or far too slender for its mesh"
         )
 
 
@@ -127,14 +127,19 @@ def initial_accelerations(structure: Structure) -> Array:
     449-457.
     """
     M, loads = structure.M.tocsr(), structure.loads
-    inverse = 1.0 / M.diagonal()[:, None]
-    system = Columns(lambda P: M @ P, lambda R: inverse * R)
-    small = CONVERGED * np.linalg.norm(loads, axis=0)
-    X, R = np.zeros_like(loads), loads.copy()
-    for _ in islice(descend(system, R, X), ITERATIONS):
+    solution = _solved_by_gradients(M, loads)
+    return solution if solution is not None else factorize(M, "the mass matrix")(loads)
+
+
+def _solved_by_gradients(A: Any, B: Array) -> Array | None:
+    """A^-1 B for B (n, k), with Jacobi's preconditioner; None after `MAX_MASS_STEPS`."""
+    inverse = 1.0 / A.diagonal()[:, None]
+    small = MASS_RESIDUAL * np.linalg.norm(B, axis=0)
+    X, R = np.zeros_like(B), B.copy()
+    for _ in islice(descend(Columns(A.__matmul__, lambda R: inverse * R), R, X), MAX_MASS_STEPS):
         if (np.linalg.norm(R, axis=0) <= small).all():
             return X
-    return factorize(M, "the mass matrix")(loads)
+    return None
 
 
 def _determinate_dofs(structure: Structure) -> Array:

@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from ...superelement.validation import Array
 from ..errors import MethodError
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 
 MIN_WINDOW = 3
 """Steps at least, a sixth of all beyond, whose gain of energy tells how fast the error falls."""
-MAX_GAIN_RATIO = 0.999
-"""Of two windows: a larger one says nothing of what is to come."""
+MAX_GAIN_RATIO = 0.999  # of two windows: a larger one says nothing of what is to come
 NEGLIGIBLE_REMAINDER = 1e-12
 """R . T R over the first one that is rounding, where a matrix may give a direction no energy."""
 MAX_CG_STEPS = 1000
@@ -54,7 +53,7 @@ class Columns:
 
     product: Callable[[Array], Array]
     inverse: Callable[[Array], Array]
-    processes: Processes = ALONE
+    processes: Processes = ONE_PROCESS
     order: Literal["C", "F"] = "C"
 
     def multiply(self, P: Array) -> tuple[Array, Array]:
@@ -186,7 +185,7 @@ def converge(
 
 
 class ColumnGradients:
-    """x = solve(b) with S x = b for b (n,) or (n, k), all columns at once; own rows of each process.
+    """x = solve(b) with S x = b for b (n,) or (n, k), all columns at once; each process its rows.
 
     Of each solution so far, iterations: its steps; first_errors: the largest error that the first
     of them has left, relative in energy. `NotConvergedError` if it does not converge.

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 from ...superelement.validation import Array
 from ..threads import threads
 
-PANEL_WIDTH = 16
-"""vectors of a panel: of single precision, a register of AVX-512 or two of AVX2"""
-PIECES_PER_THREAD = 4
-"""of work, for they take unequal times"""
+PANEL_WIDTH = 16  # vectors of a panel: of single precision, a register of AVX-512 or two of AVX2
+PIECES_PER_THREAD = 4  # of work, for they take unequal times
 Panel = NDArray[np.float32]
 
 

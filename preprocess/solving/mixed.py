@@ -13,14 +13,11 @@ from .gradients import ColumnGradients, Columns, Goal, ratio
 
 MAX_MIXED_STEPS = 12
 """Beyond, the factor is no preconditioner: two or three are taken by bodies of solids."""
-MIXED_SHARE_OF_ACCURACY = 0.1
-"""What is aimed at, for what is left is estimated."""
+MIXED_SHARE_OF_ACCURACY = 0.1  # what is aimed at, for what is left is estimated
 COLUMN_MULTIPLE = 16
 """Of solutions, the last filled with zeros: rslab takes a fifth less time for 16 than for 12."""
-MIXED_BYTES_RATIO = 0.5
-"""To a factor in double precision."""
-MIXED_SECONDS_RATIO = 0.55
-"""To a factor in double precision, with solutions of two steps."""
+MIXED_BYTES_RATIO = 0.5  # to a factor in double precision
+MIXED_SECONDS_RATIO = 0.55  # to a factor in double precision, with solutions of two steps
 
 
 class MixedFactor(ColumnGradients):

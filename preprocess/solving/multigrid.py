@@ -9,15 +9,13 @@ import numpy as np
 from scipy.linalg import cho_factor, eigvalsh_tridiagonal
 
 from ...superelement.validation import Array
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 from .gradients import System, Vectors, descend
 
-SMOOTHER_SWEEPS = 2
-"""Before and after the correction of a coarser level."""
+SMOOTHER_SWEEPS = 2  # before and after the correction of a coarser level
 SMOOTHED_RANGE = 16.0
 """The smoother is to damp the spectrum from its end to that end divided by this."""
-LANCZOS_STEPS = 16
-"""By which the largest eigenvalue is found, for some random vectors at once."""
+LANCZOS_STEPS = 16  # by which the largest eigenvalue is found, for some random vectors at once
 EIGENVALUE_MARGIN = 1.05
 """What they may have missed of it: cycles bear a little more, then they are not positive."""
 
@@ -93,7 +91,9 @@ def chebyshev_weights(largest: float) -> tuple[float, ...]:
     return tuple((1.0 / zeros).tolist())
 
 
-def largest_eigenvalue(system: System[Vectors], R: Vectors, processes: Processes = ALONE) -> float:
+def largest_eigenvalue(
+    system: System[Vectors], R: Vectors, processes: Processes = ONE_PROCESS
+) -> float:
     """That of T S, with a margin, from random vectors R, which are used up.
 
     By Lanczos's method, whose tridiagonal matrix the steps alpha_j of conjugate gradients and their

@@ -17,8 +17,7 @@ from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
 from .loops import PANEL_WIDTH, Loops, Panel
 
-NODES_AT_ONCE = 2**13
-"""whose rows are put into blocks"""
+NODES_AT_ONCE = 2**13  # whose rows are put into blocks
 
 
 @dataclass(frozen=True, eq=False)

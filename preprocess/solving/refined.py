@@ -13,10 +13,8 @@ from .panels import Blocks, PanelSystem
 
 SINGLE_PRECISION_ERROR = 1e-3
 """Relative error in energy that single precision reaches, whatever the matrix of a body."""
-SHARE_OF_ACCURACY = 0.5
-"""What is aimed at, for what is left is estimated."""
-MAX_REFINEMENTS = 8
-"""Solutions, each of what the ones before have left."""
+SHARE_OF_ACCURACY = 0.5  # what is aimed at, for what is left is estimated
+MAX_REFINEMENTS = 8  # solutions, each of what the ones before have left
 
 
 @dataclass(eq=False)
