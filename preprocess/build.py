@@ -8,6 +8,7 @@ from importlib import metadata
 import numpy as np
 
 from ..files import in_one_line
+from ..files.blas import one_blas_thread
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, sha256
 from .assembly.losses import lossy_parts
@@ -81,7 +82,7 @@ def memory_shortage_told() -> Iterator[None]:
 def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Superelement:
     with stages.stage("mesh"):
         source = checked_source(body, told)
-    with stages.stage("assembly"):
+    with stages.stage("assembly"), one_blas_thread():  # it has threads of its own
         structure = assemble_on(body, source)
         second = None
         if body.rotation is not None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
+from ..files.blas import one_blas_thread
 from ..superelement import Check, Superelement, sha256
 from ..superelement.checks import ROUNDING, deviation, scale_of
 from .body.body import Body
@@ -28,7 +29,7 @@ def static_check(element: Superelement, body: Body) -> Check:
     superelement knows of. The limit is twice the error that it states. Errors are those of `build`;
     `MemoryShortageError` where the factor does not fit.
     """
-    with memory_shortage_told(), refused_where_singular():
+    with memory_shortage_told(), refused_where_singular(), one_blas_thread():
         structure = assemble(body)
         H = compliance(replace(structure, channels=None))
     if H.shape != element.compliance.shape:

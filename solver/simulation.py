@@ -133,7 +133,7 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
     check_output(output, model)
     kept = read_checkpoint(output)
     identity, step = kept.identity, kept.snapshot.step
-    with about(model.path):
+    with about(model.path), one_blas_thread():
         if not anyway:
             identity.check_model(model)
         lowered = lower(model, frozenset(kept.without), identity.horizon)

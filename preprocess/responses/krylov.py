@@ -71,7 +71,7 @@ class KrylovSpace:
             self._first = self._next(structure.loads)
         if lower is not None:
             self._lower = lower
-            self._solve_with(lower)
+            self._solve_low()
             if not at_once:
                 self._first = self._next(structure.loads)
         memory, disk = (self._vectors(place) for place in (available, scratch))
@@ -175,6 +175,21 @@ class KrylovSpace:
         self._solve = self._solver(self.structure, shift, name, self._accuracy, blocks)
         self.inexact |= not isinstance(self._solve, Factor)
 
+    def _solve_low(self) -> None:
+        """Solve with the low shift, or with the first higher one that gradients begin with."""
+        assert self._lower is not None
+        try:
+            self._solve_with(self._lower)
+        except NotConvergedError as error:
+            self._solve_higher(error)
+
+    def _solve_higher(self, error: NotConvergedError) -> None:
+        """Solve with a higher low shift; raise `error` if it would be above that of the step."""
+        if self._lower is None or SHIFT_RISE * self._lower > self._highest:
+            raise error
+        self._lower *= SHIFT_RISE
+        self._solve_low()
+
     def _next(self, B: Array, refined: bool = True) -> Array:
         """S^-1 B, with a higher shift from here on where the low one asks too much of gradients."""
         while True:
@@ -184,11 +199,8 @@ class KrylovSpace:
             self.rough |= quick is not None
             try:
                 return (quick or solve)(B)
-            except NotConvergedError:
-                if self._lower is None or SHIFT_RISE * self._lower > self._highest:
-                    raise
-                self._lower *= SHIFT_RISE
-                self._solve_with(self._lower)
+            except NotConvergedError as error:
+                self._solve_higher(error)
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""

@@ -56,7 +56,7 @@ def krylov_modes(
     above the tolerance, it is stated as it is. With `fields` it includes the displacements and
     strains of the whole body; where the structure has loads of rotation, their slow responses.
     `watch` is called with the progress as text. `MethodError` if the tolerance asks for a larger
-    space than `LIMIT` or the memory allows.
+    space than `MAX_KRYLOV_VECTORS` or the memory allows.
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = shifts(structure, damping, band)
