@@ -1,7 +1,6 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
 import os
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -255,6 +254,7 @@ class Body(Table):
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
     _text: str = PrivateAttr(default="")
+    _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_make(self) -> Self:
@@ -409,12 +409,12 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
-        if self._text:
-            as_read = Body.model_validate(tomllib.loads(self._text))
-            paths = {"mesh", "matrices"}
-            if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
-                return self._text
-        return self.model_dump_json(exclude_unset=True)
+        unchanged = self._text and self._as_read == self._values()
+        return self._text if unchanged else self.model_dump_json(exclude_unset=True)
+
+    def _values(self) -> dict[str, Any]:
+        """All but the paths, which depend on the folder that the file is read from."""
+        return self.model_dump(exclude={"mesh", "matrices"})
 
 
 def body_schema() -> dict[str, Any]:
@@ -432,5 +432,5 @@ def read_body(path: str | os.PathLike[str]) -> Body:
     except InputError as error:
         raise BodyError(str(error)) from error
     body = body.relative_to(Path(path).parent)
-    body._text = text
+    body._text, body._as_read = text, body._values()
     return body
