@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from ...superelement import Superelement
 from ..body.body import Body
-from ..build import Told, silent
 from ..errors import MethodError
+from ..progress import Warn, silent
 
 if TYPE_CHECKING:
     from .ranks import Ranks
@@ -39,7 +39,7 @@ class World:
         """True in the process that reads and writes; the others `follow`."""
         return bool(self._ranks.first)
 
-    def build(self, body: Body, progress: bool = False, told: Told = silent) -> Superelement:
+    def build(self, body: Body, progress: bool = False, told: Warn = silent) -> Superelement:
         """As `preprocess.build`, in the first process, with the others."""
         from .build import build_together
 

@@ -73,9 +73,10 @@ class RefinedGradients:
         squared = unit**2 / self.blocks.scale
         relative = max(SINGLE_PRECISION_ERROR, SHARE_OF_ACCURACY * self.accuracy)
         goal = Goal(self.name, self.blocks.n_u, relative, self.max_steps)
-        panels = zip(self.blocks.panels(B / unit), _in_panels(enough / squared), strict=True)
+        allowed = np.pad(enough / squared, (0, -B.shape[1] % PANEL_WIDTH)).reshape(-1, PANEL_WIDTH)
+        panels = zip(self.blocks.panels(B / unit), allowed, strict=True)
         system = PanelSystem(self.blocks, self.multigrid)
-        found = [converge(system, R, goal, allowed) for R, allowed in panels]
+        found = [converge(system, R, goal, squares) for R, squares in panels]
         k = B.shape[1]
         X = self.blocks.vectors([panel.X for panel in found], k) * (unit / self.blocks.scale)
         energy, left = (
@@ -84,10 +85,3 @@ class RefinedGradients:
         )
         trusted = np.maximum(left, (SHARE_OF_ACCURACY * SINGLE_PRECISION_ERROR) ** 2 * energy)
         return X, energy, trusted, sum(len(panel.gains) for panel in found)
-
-
-def _in_panels(values: Array) -> Array:
-    """Numbers (k,) of vectors by panel (n, 16), zeros behind the last."""
-    found = np.zeros(-(-len(values) // PANEL_WIDTH) * PANEL_WIDTH)
-    found[: len(values)] = values
-    return found.reshape(-1, PANEL_WIDTH)
