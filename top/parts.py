@@ -10,7 +10,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from duhamel import preprocess
 from duhamel.inputs import InputError, Table, quoted, read_part
-from duhamel.preprocess.body.body import Method, PointMass, Solver
+from duhamel.preprocess.body.body import Method, PointMass, SolverName
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
@@ -309,7 +309,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
     ) -> preprocess.Body:
         """The part with the impulse responses that are asked for, as a body file has it.
 
@@ -345,7 +345,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
         progress: bool = False,
     ) -> Superelement:
         """The superelement of the part, for `Mechanism.add`.
@@ -389,7 +389,7 @@ class Part:
             solver=solver,
         )
         told = list(preprocess.doubts_of_body(body))
-        built = preprocess.build(body, progress=progress, told=told.append)
+        built = preprocess.build(body, progress=progress, on_warning=told.append)
         for doubt in told:
             warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
         return built

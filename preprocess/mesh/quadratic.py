@@ -42,8 +42,7 @@ def quadratic(mesh: Mesh) -> Mesh:
     """
     if others := sorted(set(mesh.body_types) - {TETRAHEDRA, WEDGES}):
         raise MeshError(
-            f"{mesh.name}: order = 2 is for linear tetrahedra and wedges, found "
-            f"{', '.join(others)}"
+            f"{mesh.name}: order = 2 is for linear tetrahedra and wedges, found {', '.join(others)}"
         )
     cells, rows = _simplices(mesh)
     edges = np.concatenate(

@@ -1,9 +1,8 @@
 """Linear tetrahedra and wedges as quadratic tetrahedra: neighbors fit, and the body bends."""
 
+import duhamel as du
 import numpy as np
 import pytest
-
-import duhamel as du
 from duhamel import preprocess
 from duhamel.preprocess.mesh.facets import facets_of
 from duhamel.preprocess.mesh.mesh import Group, Mesh
