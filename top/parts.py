@@ -25,14 +25,14 @@ from .vectors import vector
 
 Where = Selection | str | ArrayLike
 """a selection, the name of a group of the mesh, or a point (3,) [m] for the node nearest to it"""
-ENTRIES: dict[str, type[Table]] = {
+TABLE_KINDS: dict[str, type[Table]] = {
     "interfaces": InterfaceSelection,
     "masses": PointMass,
     "loads": LoadPattern,
     "sensors": SensorPoint,
 }
 """what body files give by name"""
-STEPS = 100
+DEFAULT_STEPS = 100
 """steps of sampled impulse responses where no duration is given; modes hold for any duration"""
 
 
@@ -318,7 +318,7 @@ class Part:
         asked: dict[str, Any] = {"step": step, "band": band, "modes": modes}
         asked |= {"tolerance": tolerance, "rho_inf": rho_inf}
         if step is not None:
-            asked["steps"] = STEPS if duration is None else _steps(duration, step)
+            asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
         if method != "auto":
             asked["method"] = method
         if solver != "auto":
@@ -407,7 +407,7 @@ class Part:
                 f"part {self.name!r}: {table}: {quoted(name)} is there already"
             )
         try:
-            entries[name] = read_part(entry, ENTRIES[table])
+            entries[name] = read_part(entry, TABLE_KINDS[table])
         except InputError as error:
             raise preprocess.BodyError(f"part {self.name!r}: {table}: {name}: {error}") from error
         self._table[table] = entries

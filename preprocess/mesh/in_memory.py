@@ -17,14 +17,14 @@ from .formats.through_meshio import draft_of
 from .mesh import IntArray, Mesh
 from .reading import check_points, finished, read_mesh
 
-FORMS = (
+MESH_FORMS = (
     "a path, (points, cells), or a mesh of scikit-fem, meshio, PyVista or gmsh (the module, with a "
     "model that is meshed)"
 )
 BY_NODES = {2: "line", **{len(kind.order): name for name, kind in SOLID_TYPES.items()}}
 """the types of cells that are given by their nodes alone"""
 
-REFLECTIONS = {
+MIRRORED_NODES = {
     "tetra": [1, 0, 2, 3],
     "tetra10": [1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     "wedge": [0, 2, 1, 3, 5, 4],
@@ -76,7 +76,7 @@ def _draft(given: Any) -> Draft:
         import pyvista
 
         return draft_of(pyvista.to_meshio(given))
-    raise MeshError(f"expected {FORMS}, found {given!r:.80}")
+    raise MeshError(f"expected {MESH_FORMS}, found {given!r:.80}")
 
 
 def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
@@ -155,8 +155,8 @@ def _of_skfem(mesh: Any) -> Draft:
         )
     whole = to_meshio(mesh, encode_cell_data=False)
     kind = TYPE_MESH_MAPPING[type(mesh)]
-    if kind in REFLECTIONS:
-        _turn(whole.cells[0].data, whole.points, REFLECTIONS[kind])
+    if kind in MIRRORED_NODES:
+        _turn(whole.cells[0].data, whole.points, MIRRORED_NODES[kind])
     draft = draft_of(whole)
     for name, members in (mesh.subdomains or {}).items():
         draft.mark(name, kind, members)

@@ -8,14 +8,14 @@ from ...superelement.validation import Array
 from ..errors import MeshError
 from .mesh import Group, IntArray, Mesh
 
-TETRAHEDRA, WEDGES = "tetra", "wedge"
-EDGES = {
+TETRA_CELLS, WEDGE_CELLS = "tetra", "wedge"
+CELL_EDGES = {
     "tetra": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
     "triangle": [(0, 1), (1, 2), (2, 0)],
 }
 """pairs of corners that middle nodes are between, in the order of quadratic cells"""
-QUADRATIC = {"tetra": "tetra10", "triangle": "triangle6"}
-TURNS = np.array(
+QUADRATIC_TYPES = {"tetra": "tetra10", "triangle": "triangle6"}
+WEDGE_TURNS = np.array(
     [
         [0, 1, 2, 3, 4, 5],
         [1, 2, 0, 4, 5, 3],
@@ -26,7 +26,7 @@ TURNS = np.array(
     ]
 )
 """the nodes of a wedge, renumbered so that each one in turn is the first"""
-SPLITS = np.array(
+WEDGE_SPLITS = np.array(
     [[[0, 1, 2, 4], [0, 4, 2, 5], [0, 4, 5, 3]], [[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]]]
 )
 """three tetrahedra of a wedge whose face opposite of node 0 is cut from 2 to 4, or from 1 to 5"""
@@ -40,35 +40,35 @@ def quadratic(mesh: Mesh) -> Mesh:
     `MeshError` for bodies of other elements. Source: Dompierre, Labbe, Vallet, Camarero, How to
     subdivide pyramids, prisms and hexahedra into tetrahedra, 1999.
     """
-    if others := sorted(set(mesh.body_types) - {TETRAHEDRA, WEDGES}):
+    if others := sorted(set(mesh.body_types) - {TETRA_CELLS, WEDGE_CELLS}):
         raise MeshError(
             f"{mesh.name}: order = 2 is for linear tetrahedra and wedges, found {', '.join(others)}"
         )
     cells, rows = _simplices(mesh)
     edges = np.concatenate(
         [
-            np.sort(nodes[:, EDGES[kind]].reshape(-1, 2), axis=1)
+            np.sort(nodes[:, CELL_EDGES[kind]].reshape(-1, 2), axis=1)
             for kind, nodes in cells.items()
-            if kind in EDGES
+            if kind in CELL_EDGES
         ]
     )
     edges, number = np.unique(edges, axis=0, return_inverse=True)
     middles = mesh.points[edges].mean(axis=1)
     raised, start = {}, 0
     for kind, nodes in cells.items():
-        if kind not in EDGES:
+        if kind not in CELL_EDGES:
             raised[kind] = nodes
             continue
-        count = len(nodes) * len(EDGES[kind])
+        count = len(nodes) * len(CELL_EDGES[kind])
         own = number.ravel()[start : start + count].reshape(len(nodes), -1)
-        raised[QUADRATIC[kind]] = np.column_stack([nodes, len(mesh.points) + own])
+        raised[QUADRATIC_TYPES[kind]] = np.column_stack([nodes, len(mesh.points) + own])
         start += count
     body = Mesh(
         name=mesh.name,
         points=np.vstack([mesh.points, middles]),
         cells=raised,
         groups={name: _group(group, rows) for name, group in mesh.groups.items()},
-        body_types=(QUADRATIC[TETRAHEDRA],),
+        body_types=(QUADRATIC_TYPES[TETRA_CELLS],),
     )
     # facets that are no faces of the body have middle nodes of their own
     return body if body.used.all() else body.without_loose_nodes()
@@ -84,8 +84,8 @@ def _simplices(mesh: Mesh) -> tuple[dict[str, IntArray], Rows]:
     rows: Rows = {}
     for kind, nodes in mesh.cells.items():
         into, pieces = kind, nodes[:, None]
-        if kind == WEDGES:
-            into, pieces = TETRAHEDRA, _tetrahedra(nodes, mesh.points)
+        if kind == WEDGE_CELLS:
+            into, pieces = TETRA_CELLS, _tetrahedra(nodes, mesh.points)
         elif kind == "quad":
             into, pieces = "triangle", _triangles(nodes)
         first = sum(map(len, parts.get(into, ())))
@@ -97,9 +97,9 @@ def _simplices(mesh: Mesh) -> tuple[dict[str, IntArray], Rows]:
 
 def _tetrahedra(wedges: IntArray, points: Array) -> IntArray:
     """The three tetrahedra (n, 3, 4) of each wedge (n, 6)."""
-    turned = np.take_along_axis(wedges, TURNS[wedges.argmin(axis=1)], axis=1)
+    turned = np.take_along_axis(wedges, WEDGE_TURNS[wedges.argmin(axis=1)], axis=1)
     from_1_to_5 = turned[:, [1, 5]].min(axis=1) < turned[:, [2, 4]].min(axis=1)
-    split = SPLITS[from_1_to_5.astype(int)].reshape(len(wedges), -1)
+    split = WEDGE_SPLITS[from_1_to_5.astype(int)].reshape(len(wedges), -1)
     pieces = np.take_along_axis(turned, split, axis=1).reshape(-1, 3, 4)
     a, b, c, d = points[pieces].transpose(2, 0, 1, 3)
     inverted = np.einsum("nti,nti->nt", np.cross(b - a, c - a), d - a) < 0.0
@@ -118,7 +118,7 @@ def _group(group: Group, rows: Rows) -> Group:
     found: dict[str, list[IntArray]] = {}
     for kind, members in group.cells.items():
         into, pieces = rows[kind]
-        found.setdefault(QUADRATIC.get(into, into), []).append(pieces[members].ravel())
+        found.setdefault(QUADRATIC_TYPES.get(into, into), []).append(pieces[members].ravel())
     cells: Mapping[str, IntArray] = {
         kind: np.unique(np.concatenate(parts)) for kind, parts in found.items()
     }
