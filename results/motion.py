@@ -592,18 +592,16 @@ class Solution(Recorded, group="solver"):
     """(n,) relative residual at the end of the step"""
 
 
-TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within(
-    "", "", "time", "time"
-)
+TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
 OWNERS = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
 """the dimension of the owners of a group, in the order in which results list them"""
 OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
 QUANTITIES = (TIME, *(quantity for kind in OF_STEPS for quantity in kind.quantities))
 EVENTS = Events.quantities
 """the numbers of an event, in the order of the time loop"""
-EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", "", "event", "")
+EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
 EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
-    "", "", "event", "of"
+    "of", rows="event"
 )
 SHARED = {
     "stop": "contact",

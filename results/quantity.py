@@ -69,7 +69,7 @@ class Quantity:
     dimensions: tuple[str, ...] = ()
 
     def within(
-        self, group: str, owner: str, rows: str, attribute: str, plot: str = ""
+        self, attribute: str, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
     ) -> "Quantity":
         """This quantity as an attribute of the owners of a group.
 
@@ -240,7 +240,7 @@ class Recorded:
         cls.group, cls.owner = group, owner
         found = [(name, one) for name, one in vars(cls).items() if isinstance(one, Attribute)]
         for name, one in found:
-            one.quantities = tuple(q.within(group, owner, rows, name, plot) for q in one.quantities)
+            one.quantities = tuple(q.within(name, group, owner, rows, plot) for q in one.quantities)
         cls.quantities = tuple(quantity for _, one in found for quantity in one.quantities)
         if cls.quantities:
             Recorded.kinds.append(cls)
