@@ -157,10 +157,8 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
 
 def start_warnings(initial: InitialState) -> Iterator[str]:
     """Lines about a model at its start: how it begins, what looks wrong, what steps miss of it."""
-    model = initial.lowered.model
-    file = f"{model.path}: " if model.path else ""
     yield from initial.warnings
-    yield from (f"{file}{doubt}" for doubt in severe_doubts(model))
+    yield from severe_doubts(initial.lowered.model)
     yield from signal_warnings(initial.lowered)
 
 
