@@ -11,7 +11,7 @@ from ..results.transforms import Window
 from ..results.wildcards import STAR, matching
 from .field_kinds import FIELDS, WORST
 from .fields import Field, draw_fields
-from .picture import entitle
+from .picture import add_room, entitle
 from .prefixes import PREFIXES, exponent_of
 from .scene import Marker, Scene
 from .worst import worst_time
@@ -111,14 +111,10 @@ def _surface(results: Results, chosen: Chosen, body: str) -> Field:
 
 def _head(figure: Figure, title: str, line: str) -> None:
     """Text above the views, for which the figure grows."""
-    wide, high = figure.get_size_inches()
-    for axes in figure.axes:
-        x, y, width, height = axes.get_position().bounds
-        share = high / (high + HEADER)
-        axes.set_position((x, y * share, width, height * share))
-    figure.set_size_inches(wide, high + HEADER)
+    add_room(figure, above=HEADER)
+    _, high = figure.get_size_inches()
     heading = entitle(figure, title or line)
-    heading.set(y=1.0 - 0.1 / (high + HEADER), va="top")
+    heading.set(y=1.0 - 0.1 / high, va="top")
     if title:
-        below = 1.0 - 0.32 / (high + HEADER)
+        below = 1.0 - 0.32 / high
         figure.text(0.01, below, line, ha="left", va="top", fontsize=9, parse_math=False)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..superelement.cells import TRIANGLES, triangles
 from ..superelement.validation import Array
-from .picture import style
+from .picture import add_room, style
 from .scene import IntArray, Marker, Patch, Scene, draw_scene
 
 COLOR_MAP = "turbo"
@@ -52,18 +52,12 @@ def draw_fields(
         patches.append(Patch(facets, numbers, color_map(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
-    (length, height), (below, added) = BAR, MARGINS
+    (length, height), (bottom, below) = BAR, MARGINS
+    add_room(figure, below=below)
     wide, high = figure.get_size_inches()
-    for axes in figure.axes:
-        x, y, width, share = axes.get_position().bounds
-        axes.set_position(
-            (x, (y * high + added) / (high + added), width, share * high / (high + added))
-        )
-    figure.set_size_inches(wide, high + added)
-    high += added
     with style():
         axes = figure.add_axes(
-            (0.5 - 0.5 * length / wide, below / high, length / wide, height / high)
+            (0.5 - 0.5 * length / wide, bottom / high, length / wide, height / high)
         )
         bar = Colorbar(axes, cmap=color_map, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)

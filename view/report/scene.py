@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex, to_rgb
 
 from ...superelement.validation import Array
-from ..space.camera import ISO, axes_towards
+from ..camera import ISO, axes_towards
 from ..space.marks import SEEN_THROUGH
 from ..styles import COLORS
 from .libraries import package

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from ...superelement.validation import Array
-from ..space.camera import axes_towards
+from ..camera import axes_towards
 from ..space.marks import SEEN_THROUGH
 from .motion import Motion, Shape
 from .scene import SURROUNDINGS, body_colors, bounds, cameras

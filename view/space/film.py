@@ -11,12 +11,12 @@ import numpy as np
 from ...results import Results
 from ...results.transforms import Window
 from ...superelement.validation import Array
+from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..errors import PictureError
 from ..field_kinds import FIELDS, WORST
 from ..prefixes import PREFIXES, exponent_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
-from .camera import Camera, Fitting, chosen_axes, spread_of
 from .lettering import Clock, Frame, Image, Lettering, lettered
 from .marks import CONTACT, FORCE, JOINT, SPRING
 from .stage import NO_FIELD, Batch, Stage, chosen_field

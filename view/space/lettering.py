@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...superelement.validation import Array
 from ..picture import style
 from ..prefixes import PREFIXES, exponent_of
-from ..scene import AXES
+from ..scene import draw_triad
 
 Image = NDArray[np.uint8]
 """(height, width, 3)"""
@@ -130,12 +130,7 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
     pane.set_axis_off()
     pane.set_xlim(-1.5, 1.5)
     pane.set_ylim(-1.5, 1.5)
-    for direction, (name, color) in zip(axes[:2].T, AXES, strict=True):
-        if np.linalg.norm(direction) < 0.1:
-            continue
-        pane.plot([0.0, direction[0]], [0.0, direction[1]], color=color, linewidth=2.2 * points)
-        x, y = 1.0 * direction + 0.32 * direction / np.linalg.norm(direction)
-        pane.text(x, y, name, color=color, ha="center", va="center", fontsize=0.9 * SMALL * points)
+    draw_triad(pane, axes, np.zeros(2), 1.0, 2.2 * points, 0.9 * SMALL * points)
 
 
 def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 
 from ...superelement.validation import Array
+from ..camera import Camera
 from ..errors import PictureError
 from ..scene import color as color_of
 from .bodies import Body
-from .camera import Camera
 from .lettering import Frame, Image
 from .marks import Mark
 from .stage import Batch, Stage
