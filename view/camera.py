@@ -130,6 +130,11 @@ class Fitting:
             self._low = np.minimum(self._low, flat.min(axis=0) - around)
             self._high = np.maximum(self._high, flat.max(axis=0) + around)
 
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Its smallest and largest coordinates (3,), (3,) along the axes of the camera [m]."""
+        return self._low, self._high
+
     def camera(self, aspect: float) -> Camera:
         """For pictures of this width over height."""
         middle, extent = 0.5 * (self._low + self._high), self._high - self._low

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import matplotlib
 import numpy as np
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
@@ -11,10 +10,10 @@ from matplotlib.figure import Figure
 
 from ..superelement.cells import TRIANGLES, triangles
 from ..superelement.validation import Array
+from .field_kinds import COLOR_MAP
 from .picture import add_room, style
 from .scene import IntArray, Marker, Patch, Scene, draw_scene
 
-COLOR_MAP = "turbo"
 BAR = (3.2, 0.11)
 """length and height of the bar of colors [inch]"""
 MARGINS = (0.25, 0.6)
@@ -44,12 +43,12 @@ def draw_fields(
     with them.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
-    norm, color_map = Normalize(0.0, largest or 1.0), matplotlib.colormaps[COLOR_MAP]
+    norm = Normalize(0.0, largest or 1.0)
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
         numbers = _touching(facets, scene.markers if scene else ())
-        patches.append(Patch(facets, numbers, color_map(norm(scale * values))[:, :3]))
+        patches.append(Patch(facets, numbers, COLOR_MAP(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
     (length, height), (bottom, below) = BAR, MARGINS
@@ -59,7 +58,7 @@ def draw_fields(
         axes = figure.add_axes(
             (0.5 - 0.5 * length / wide, bottom / high, length / wide, height / high)
         )
-        bar = Colorbar(axes, cmap=color_map, norm=norm, orientation="horizontal")
+        bar = Colorbar(axes, cmap=COLOR_MAP, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
         axes.tick_params(labelsize=8, length=2)

@@ -26,6 +26,8 @@ LEAST_SEEN = 0.1
 LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
 """direction towards the light, in the axes of the picture: right, up, towards the eye"""
 AMBIENT = 0.68
+WHITE = 0.45
+"""how much of it is in a light color"""
 WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
 """of a picture, of a body in it, and around it [inch]"""
 LINE, LETTER = 0.2, 0.085
@@ -119,6 +121,12 @@ def color(number: int) -> tuple[float, float, float]:
     return red, green, blue
 
 
+def tint(number: int) -> tuple[float, float, float]:
+    """A light color for a body."""
+    red, green, blue = (WHITE + (1.0 - WHITE) * channel for channel in color(number))
+    return red, green, blue
+
+
 def draw_scene(scene: Scene) -> Figure:
     """A view of lines, or two views of surfaces from opposite sides, at one scale.
 
@@ -135,18 +143,23 @@ def draw_scene(scene: Scene) -> Figure:
         figure = Figure(figsize=tuple(views[0].size * (columns, rows)))
         for i, view in enumerate(views):
             across, down = i % columns, i // columns
-            axes = figure.add_axes(
-                (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
-            )
-            axes.set_axis_off()
-            axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
-            axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
+            place = (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
+            axes = pane(figure, place, view)
             paint(axes, scene, view)
             draw_triad(axes, view.camera, -0.5 * view.size + 0.35, 0.22, 1.6, 8.0)
             _axes_of_sections(axes, scene.sections, view)
             shown = [n for n in range(len(marks)) if where[n] == i]
             _name(axes, [marks[n] for n in shown], [shades[n] for n in shown], view)
     return figure
+
+
+def pane(figure: Figure, place: tuple[float, float, float, float], view: View) -> Axes:
+    """The axes of a view, in inches from its middle, at a place in a figure."""
+    axes = figure.add_axes(place)
+    axes.set_axis_off()
+    axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
+    axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
+    return axes
 
 
 def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:

@@ -13,14 +13,13 @@ from ...results.transforms import Window
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..errors import PictureError
-from ..field_kinds import FIELDS, WORST
+from ..field_kinds import COLOR_MAP, FIELDS, WORST
 from ..prefixes import PREFIXES, exponent_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .lettering import Clock, Frame, Image, Lettering, lettered
-from .marks import CONTACT, FORCE, JOINT, SPRING
 from .stage import NO_FIELD, Batch, Stage, chosen_field
-from .studio import COLOR_MAP, Studio, pyvista
+from .studio import Studio, pyvista
 from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
 from .tracks import Tracks
 from .writing import MOVING, require_format, written
@@ -28,7 +27,6 @@ from .writing import MOVING, require_format, written
 SIZE, SMALL_SIZE = (1280, 720), (640, 360)
 """of films, and of GIFs [pixels]"""
 SMALLEST_SIZE, LARGEST_SIZE = 36, 8192
-LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
 OnFrame = Callable[[int, int], object]
 """is told how many frames are made, of how many"""
 
@@ -149,12 +147,10 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
         notes.append("elastic motion in part unknown")
-    kinds = dict.fromkeys(mark.kind for mark in stage.marks)
-    legend = [(kind, color) for kind, color in LEGEND.items() if kind in kinds]
     label, unit = FIELDS[stage.field] if stage.field else ("", "")
     ends = "of all frames" if len(when.times) > 1 else "at this time"
     return Lettering(
-        title, tuple(notes), tuple(legend), label, unit, stage.largest, ends, COLOR_MAP, axes
+        title, tuple(notes), stage.legend, label, unit, stage.largest, ends, COLOR_MAP, axes
     )
 
 

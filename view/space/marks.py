@@ -17,6 +17,8 @@ from .holding import HANGING, place_of
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
+LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
+"""kinds of marks whose colors are explained"""
 GROUNDED, LEG, FLOOR, SURFACE = "#5c636a", "#9aa1ab", "#e9e4da", "#b08d57"
 SHADED, SEEN_THROUGH = 0.85, 0.3
 """opacity of marks, and of what is around or in bodies"""
