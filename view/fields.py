@@ -8,11 +8,11 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from ..superelement.cells import TRIANGLES, triangles
+from ..superelement.cells import TRIANGLES, IntArray, triangles
 from ..superelement.validation import Array
 from .field_kinds import COLOR_MAP
 from .picture import add_room, style
-from .scene import IntArray, Marker, Patch, Scene, draw_scene
+from .scene import Marker, Patch, Scene, draw_scene
 
 BAR = (3.2, 0.11)
 """length and height of the bar of colors [inch]"""

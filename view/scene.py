@@ -8,15 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import hsv_to_rgb, to_rgb
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ..superelement.cells import IntArray
 from ..superelement.validation import Array
 from .camera import ISO, UP, axes_towards
 from .labels import apart
 from .picture import style
 from .styles import COLORS
-
-IntArray = NDArray[np.int64]
 
 BODY, HEAVY = (0.82, 0.84, 0.87), (0.15, 0.15, 0.15)
 """the colors of a body, and of the dots of masses"""

@@ -9,13 +9,14 @@ from matplotlib.colors import to_hex
 
 from ...results import Results
 from ...results.steps import evenly
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Fitting
 from ..scene import tint
 from ..space.bodies import Body
 from ..space.film import gravity_of
 from ..space.stage import NO_FIELD, Stage
-from .simplify import IntArray, simplified
+from .simplify import simplified
 
 MOST_POINTS = 12_000
 """of all deforming surfaces"""
@@ -29,10 +30,10 @@ FRAMES, MOST_FRAMES = 121, 2001
 """instants of a slow motion, and of any"""
 TURN = 0.2
 """of a body between instants, if there can be so many [rad]"""
-FAR = 100.0
+FAR_AWAY = 100.0
 """distance from the origin over the size of the model, from which on positions are rounded too
 much in single precision"""
-SAMPLES = 61
+MARK_SAMPLES = 61
 """instants at which marks are looked for by the camera"""
 
 
@@ -95,7 +96,7 @@ class Motion:
     @cached_property
     def reached(self) -> list[Array]:
         """Points (n, p, 3) of boxes around bodies, and of marks: all is between them [m]."""
-        some = slice(None, None, len(self.time) // SAMPLES + 1)
+        some = slice(None, None, len(self.time) // MARK_SAMPLES + 1)
         boxes = [_corners(shape) for shape in self.shapes if len(shape.points)]
         return [*boxes, *(mark.position(some) - self.origin for mark in self.moving.marks)]
 
@@ -131,7 +132,7 @@ def motion(
     instants = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
     deforming = Stage(results, instants, field or None, marks=False)
     moving = Stage(results, time[rows], NO_FIELD, deforming.magnification)
-    far = float(np.linalg.norm(moving.middle)) > FAR * moving.size
+    far = float(np.linalg.norm(moving.middle)) > FAR_AWAY * moving.size
     origin = np.round(moving.middle, 3) if far else np.zeros(3)
     shapes = []
     for number in range(len(moving.bodies)):

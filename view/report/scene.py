@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_hex
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..field_kinds import COLOR_MAP
 from ..space.marks import Mark
 from .libraries import package
 from .motion import Motion, Shape, poses
-from .simplify import IntArray
 
 VIEWS = {"Overview": "", "Along x": "yz", "Along y": "xz", "Along z": "xy"}
 """places of the camera by name, as `chosen_axes` has them"""
@@ -22,9 +22,9 @@ SQUARES = 12
 FINE = 2.0**-14
 """positions are rounded to this part of the size of a body, or less"""
 SHADES = 255
-LINE = 0.004
+LINE_WIDTH = 0.004
 """width of the lines of bodies and of marks, over the size of what is drawn"""
-FLAT = 1e-6
+UNSEEN_SIZE = 1e-6
 """size of a mark that is not to be seen, over that of the model: K3D cannot invert 0"""
 GRID = 0xC9D1D9
 WHITE = 0xFFFFFF
@@ -135,7 +135,7 @@ def _size(motion: Motion) -> float:
 def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
     """The surface and the lines of a body."""
     color = int(shape.color[1:], 16) if shape.values is None else WHITE
-    width = LINE * max(float(np.ptp(shape.points)), 1e-9) if len(shape.points) else 0.0
+    width = LINE_WIDTH * max(float(np.ptp(shape.points)), 1e-9) if len(shape.points) else 0.0
     made = []
     if len(shape.triangles):
         made.append(_surface(k3d, shape.points, shape.triangles, color))
@@ -158,13 +158,13 @@ def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
 def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
     color, glyph = int(mark.color[1:], 16), mark.glyph
     if not len(glyph.triangles):
-        width = 0.5 * LINE * _size(motion)
+        width = 0.5 * LINE_WIDTH * _size(motion)
         drawn = _lines(k3d, glyph.points, glyph.lines, color, width)
         drawn.vertices = _series(frames(motion), mark.position(slice(None)) - motion.origin)
         return drawn
     drawn = _surface(k3d, glyph.points, glyph.triangles, color)
     drawn.opacity = mark.opacity
-    A = mark.A + FLAT * motion.moving.size * np.eye(3)
+    A = mark.A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
     drawn.model_matrix = _series(frames(motion), poses(mark.x - motion.origin, A))
     return drawn
 

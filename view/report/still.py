@@ -8,13 +8,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Fitting
 from ..scene import Patch, Scene, View, paint, pane
 from ..space.marks import SEEN_THROUGH
 from .motion import Motion, Shape
 from .scene import cameras
-from .simplify import IntArray
 
 WIDTH, HEIGHT, DOTS = 9.0, 4.8, 100
 """[inch], per inch"""

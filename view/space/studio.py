@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Camera
 from ..errors import PictureError
@@ -14,7 +15,7 @@ from .bodies import Body
 from .lettering import Frame, Image
 from .marks import Mark
 from .stage import Batch, Stage
-from .surface import IntArray, mesh_edges, surface
+from .surface import mesh_edges, surface
 
 PLAIN = (0.80, 0.82, 0.85)
 """bodies beside those that are colored"""
