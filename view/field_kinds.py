@@ -1,8 +1,12 @@
 """The fields of bodies that pictures, films and reports show, and their colors."""
 
+from dataclasses import dataclass
+
 import matplotlib
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
+
+from .prefixes import PREFIXES, exponent_of
 
 FIELDS = {
     "displacement": ("elastic displacement", "m"),
@@ -16,3 +20,27 @@ COLOR_MAP = LinearSegmentedColormap.from_list(
 """turbo without its darkest ends, which light and shade would make black"""
 WORST = "worst"
 """the time at which a field is largest"""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The scale of the colors of a field, from 0 to its largest value.
+
+    unit: in which its numbers are easy to read; factor: of that unit.
+    """
+
+    words: str
+    unit: str
+    factor: float
+    largest: float
+
+    def text(self, digits: int) -> str:
+        """The largest value with its unit."""
+        return f"{self.largest / self.factor:.{digits}g} {self.unit}"
+
+
+def scale_of(field: str, largest: float) -> Scale:
+    """The scale of a field of `FIELDS` up to a value in its own unit."""
+    words, unit = FIELDS[field]
+    exponent = exponent_of(largest, unit)
+    return Scale(words, f"{PREFIXES[exponent]}{unit}", 10.0**exponent, largest)

@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 
-from ..field_kinds import FIELDS
+from ..field_kinds import scale_of
 from .markup import Markup, element, joined, note
 from .motion import Motion
-from .numbers import counted, prefixed, seconds, short, vector
+from .numbers import counted, seconds, short, vector
 from .scene import cameras, color_bar, placed, square
 from .still import still
 
@@ -93,14 +93,13 @@ def _bar(motion: Motion) -> Markup | str:
     field, largest = motion.deforming.field, motion.largest
     if not field or largest <= 0.0:
         return ""
-    words, unit = FIELDS[field]
-    prefix, factor = prefixed(largest)
+    scale = scale_of(field, largest)
     parts = (1.0, 0.75, 0.5, 0.25, 0.0)
-    ticks = [element("span", short(largest * part / factor, 3)) for part in parts]
+    ticks = [element("span", short(largest * part / scale.factor, 3)) for part in parts]
     gradient = f"background:linear-gradient({','.join(color_bar())})"
     return element(
         "div",
-        element("div", f"{words} [{prefix}{unit}]", class_="of"),
+        element("div", f"{scale.words} [{scale.unit}]", class_="of"),
         element("div", class_="scale", style=gradient),
         element("div", *ticks, class_="ticks"),
         id="bar",

@@ -13,8 +13,7 @@ from ...results.transforms import Window
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..errors import PictureError
-from ..field_kinds import COLOR_MAP, FIELDS, WORST
-from ..prefixes import PREFIXES, exponent_of
+from ..field_kinds import WORST, scale_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .lettering import Clock, Frame, Image, Lettering, lettered
@@ -48,11 +47,7 @@ class Film:
     @property
     def scale_end(self) -> str:
         """The end of the scale of colors with its unit; "" without colors."""
-        if not self.field:
-            return ""
-        unit = FIELDS[self.field][1]
-        exponent = exponent_of(self.largest, unit)
-        return f"{self.largest / 10.0**exponent:.3g} {PREFIXES[exponent]}{unit}"
+        return scale_of(self.field, self.largest).text(3) if self.field else ""
 
 
 def animate(
@@ -147,11 +142,9 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
         notes.append("elastic motion in part unknown")
-    label, unit = FIELDS[stage.field] if stage.field else ("", "")
+    scale = scale_of(stage.field, stage.largest) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
-    return Lettering(
-        title, tuple(notes), stage.legend, label, unit, stage.largest, ends, COLOR_MAP, axes
-    )
+    return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
 
 
 def the_time(
