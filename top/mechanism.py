@@ -386,7 +386,7 @@ class Mechanism:
         **options
             Those of `duhamel.view.animate`: field, size, view, marks, title.
         """
-        view.animate(solver.start(self.model()), path, at=0.0, **options)
+        view.animate(solver.start(self.model()), path, at=0.0, **({"field": "none"} | options))
         return Path(path)
 
     def _repr_html_(self) -> str:
