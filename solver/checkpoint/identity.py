@@ -26,7 +26,7 @@ from ..model.model import Model
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
 from ..signals.recorded import Recorded, RecordedSpline
-from ..step.system import Laws
+from ..step.records.laws import Laws
 from .layout import Layout, layout_of
 
 FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")

@@ -25,9 +25,11 @@ from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.force_laws import law_rounding
 from ..step.measure import ROUNDING
 from ..step.newton import correct
+from ..step.records.elastic import Elastic
+from ..step.records.laws import Motors
 from ..step.rows import measures_length
 from ..step.second_order import INERTIA, inertia_column
-from ..step.system import Elastic, Motors, State, System, Workspace
+from ..step.system import State, System, Workspace
 from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion

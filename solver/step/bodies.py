@@ -14,6 +14,9 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
+from .records.bodies import Bodies
+from .records.matrix import Pattern
+from .records.scheme import Scheme
 from .rotations import (
     normalize,
     quaternion_exponential,
@@ -21,7 +24,7 @@ from .rotations import (
     quaternion_product,
     tangent_inverse,
 )
-from .system import Bodies, Pattern, Scheme, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import (
     UNITS,
     Vector,

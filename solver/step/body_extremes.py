@@ -12,7 +12,9 @@ of a body that turns freely all that its angular momentum has changed by.
 
 from ..compiler.marks import compiled
 from .bodies import spin_moment, spin_momentum
-from .system import Bodies, MomentumExtremes, MotionExtremes, State, System, Workspace
+from .records.bodies import Bodies
+from .records.extremes import MomentumExtremes, MotionExtremes
+from .system import State, System, Workspace
 from .vectors import add, dot, rotate, row, scale, subtract
 
 PAIR = 2

@@ -34,6 +34,8 @@ from .friction import (
     set_friction_residual,
 )
 from .measure import ROUNDING, relative
+from .records.couplings import Couplings
+from .records.frames import Frames
 from .rows import (
     ATTITUDE,
     ROTATION,
@@ -44,7 +46,7 @@ from .rows import (
     measures_length,
     slips,
 )
-from .system import Couplings, Frames, State, System, Workspace
+from .system import State, System, Workspace
 from .terms import (
     add_convective_terms,
     add_tangent_of_pair,

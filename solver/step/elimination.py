@@ -10,7 +10,7 @@ A_ik U_k^-1.
 
 from ..arrays import Array, Index
 from ..compiler.marks import compiled, entry
-from .system import Pattern
+from .records.matrix import Pattern
 from .vectors import inner
 
 

@@ -3,8 +3,10 @@
 from ..compiler.marks import compiled
 from .contacts import penetration_of
 from .gaps import contact_arm
+from .records.contacts import ContactState
+from .records.couplings import Couplings
 from .rows import GAP
-from .system import ContactState, Couplings, State, Workspace
+from .system import State, Workspace
 from .vectors import dot
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)

@@ -16,8 +16,12 @@ from .couplings import spring_energy
 from .force_laws import remember_laws
 from .observers import start_coordinates
 from .passages import start_places
+from .records.couplings import Couplings
+from .records.elastic import Elastic
+from .records.extremes import ExtremeState
+from .records.frames import Frames
 from .second_order import inertia_taken, start_curvatures
-from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
+from .system import State, System, Workspace
 from .terms import keep_terms
 from .vectors import dot, triple
 

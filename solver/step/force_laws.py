@@ -4,8 +4,9 @@ from ..compiler.marks import compiled
 from ..laws import evaluate_law, remember_law
 from .measure import ROUNDING
 from .motors import motor_law, settle_motors
+from .records.laws import Laws
 from .rows import measures_length
-from .system import Laws, State, System, Workspace
+from .system import State, System, Workspace
 
 
 @compiled

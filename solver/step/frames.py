@@ -16,8 +16,10 @@ D D_0^T W^T = R.
 from ..arrays import Array, Index
 from ..compiler.marks import compiled
 from .bodies import spin_of
+from .records.frames import Frames
+from .records.matrix import Pattern
 from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
-from .system import Frames, Pattern, State, Workspace
+from .system import State, Workspace
 from .vectors import (
     UNITS,
     Vector,
@@ -326,14 +328,14 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
 
 @compiled
 def add_pair_tangent(
-    frames: Frames, pair: Pair, first: Pair, block: Index, work: Workspace
+    frames: Frames, pair: Pair, tangent: Array, first: Pair, block: Index, work: Workspace
 ) -> None:
-    """Add entries of `work.frames.pair_tangent` to a block between the bodies of two frames.
+    """Add entries of a tangent to a block between the bodies of two frames.
 
-    first: row and column of these entries; block (2,): first number and row distance of the block.
+    tangent: derivative of generalized forces by the coordinates of frames; first: row and column of
+    its first entry for this pair; block (2,): place and stride of the block (`Pattern`).
     """
     f, g = pair
-    tangent = work.frames.pair_tangent
     for i in range(width(frames, f)):
         target = block[0] + block[1] * coordinate(frames, f, i)
         for j in range(width(frames, g)):

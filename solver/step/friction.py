@@ -22,8 +22,9 @@ import math
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .measure import ROUNDING
+from .records.couplings import Couplings
 from .rows import measures_length, slips
-from .system import Couplings, State, Workspace
+from .system import State, Workspace
 
 STICKS, SLIPS = 1, 2
 GROUPS = 3

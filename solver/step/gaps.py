@@ -26,8 +26,9 @@ import math
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .kinds import delta_of, row_kind
+from .records.couplings import Couplings, Rows
 from .shapes import Curvature, curve, surface_at
-from .system import Couplings, Rows, Workspace
+from .system import Workspace
 from .vectors import (
     UNITS,
     Vector,

@@ -14,8 +14,10 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .chains import chain_energy, hold_chains, stretch_chains
+from .records.elastic import Elastic
+from .records.scheme import Scheme
 from .second_order import add_curvatures, hardening_energy
-from .system import Elastic, Scheme, State, Workspace
+from .system import State, Workspace
 from .vectors import inner
 
 

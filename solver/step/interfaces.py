@@ -9,8 +9,11 @@ Source: docs/theory.md, Impulse responses and The time step.
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
+from .records.elastic import Elastic
+from .records.matrix import Pattern
+from .records.scheme import Scheme
 from .second_order import hardening_energy
-from .system import Elastic, Pattern, Scheme, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import inner
 
 

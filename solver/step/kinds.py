@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ..compiler.marks import compiled
-from .system import Rows, Workspace
+from .records.couplings import Rows
+from .system import Workspace
 from .vectors import Vector, row, subtract
 
 KINDS: list[Any] = []

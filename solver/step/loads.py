@@ -14,8 +14,9 @@ from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .frames import add_pair_tangent, add_wrench_scale, pull_back
+from .records.loads import Loads
 from .rotations import relative_rotation
-from .system import Loads, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import UNITS, Vector, add_to_row, cross, dot, rotate, scale, triple
 
 LOAD_KINDS: list[Any] = []
@@ -153,7 +154,7 @@ def add_load_scales(system: System, state: State, work: Workspace) -> None:
 def linearize_loads(system: System, state: State, work: Workspace) -> None:
     """K += the tangents of loads that depend on the motion of their frame."""
     loads, frames, pattern = system.loads, system.frames, system.pattern
-    H, half, tangent = work.loads.tangent, work.loads.half_tangent, work.frames.pair_tangent
+    H, forces, tangent = work.loads.tangent, work.loads.forces_by_motion, work.loads.frame_tangent
     for m in range(len(loads.frame)):
         f = loads.frame[m]
         if frames.body[f] < 0:
@@ -166,15 +167,16 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         for j in range(n):
             vector = (H[0, j], H[1, j], H[2, j])
             wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
-            pull_back(frames, f, wrench, state, work, half[j])
+            pull_back(frames, f, wrench, state, work, forces[j])
         for z in range(12):
-            by_r = (half[0, z], half[1, z], half[2, z])
-            by_theta = (half[3, z], half[4, z], half[5, z])
-            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z, :12])
+            by_r = (forces[0, z], forces[1, z], forces[2, z])
+            by_theta = (forces[3, z], forces[4, z], forces[5, z])
+            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z])
             for j in range(6, n):
                 for k in range(12):
-                    tangent[z, k] += half[j, z] * work.frames.rate_map[f, j - 6, k]
-        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
+                    tangent[z, k] += forces[j, z] * work.frames.rate_map[f, j - 6, k]
+        block = pattern.body_block[frames.body[f]]
+        add_pair_tangent(frames, (f, f), tangent, (0, 0), block, work)
 
 
 @compiled

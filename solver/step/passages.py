@@ -23,9 +23,10 @@ from ..compiler.marks import compiled
 from .contacts import is_closed
 from .gaps import BALL, gap_at, place_of_ball
 from .kinds import delta_of
+from .records.couplings import Couplings, Rows
 from .rotations import stumpff
 from .rows import GAP
-from .system import Couplings, Rows, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import (
     Vector,
     add,

@@ -8,8 +8,11 @@ the columns of that dof. The resultants are those of the undeformed body.
 
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
+from .records.elastic import Elastic
+from .records.loads import LoadPatterns
+from .records.scheme import Scheme
 from .rotations import relative_rotation
-from .system import Elastic, LoadPatterns, Scheme, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import UNITS, cross, magnitude, rotate, row, scale
 
 

@@ -27,7 +27,8 @@ from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from .gaps import FirstSlip, Gap, SecondSlip
 from .kinds import KINDS, delta_of, row_kind
-from .system import Rows, Workspace
+from .records.couplings import Rows
+from .system import Workspace
 from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
 

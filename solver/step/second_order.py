@@ -18,8 +18,9 @@ Source: docs/theory.md, Fast rotation.
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .bodies import spin_of
+from .records.elastic import Elastic
 from .rotations import tangent_inverse
-from .system import Elastic, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import UNITS, Vector, cross, inner, triple
 
 INERTIA = 6
