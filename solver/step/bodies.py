@@ -14,6 +14,12 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
+from .newmark import (
+    end_pseudo_acceleration,
+    free_pseudo_acceleration,
+    predicted_change,
+    predicted_rate,
+)
 from .records.bodies import Bodies
 from .records.matrix import Pattern
 from .records.scheme import Scheme
@@ -50,22 +56,19 @@ def spin_of(state: State, b: int) -> Vector:
 
 @compiled
 def predict_bodies(scheme: Scheme, state: State, work: Workspace) -> None:
-    """Eqs (66)-(70), where a becomes a* for v_dot = 0; then what v_dot = v_dot_n adds."""
-    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    """Motion at the end of the step for v_dot = 0, where a is a*; then with v_dot = v_dot_n."""
     motion, predicted = state.bodies, work.bodies
     copy(motion.quaternion, predicted.quaternion_n)
     for b in range(len(motion.x)):
         for i in range(6):
             a_n = motion.a[b, i]
-            a = (scheme.alpha_f * motion.v_dot[b, i] - scheme.alpha_m * a_n) / (
-                1.0 - scheme.alpha_m
-            )
-            change = h * motion.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
+            a = free_pseudo_acceleration(scheme, motion.v_dot[b, i], a_n)
+            change = predicted_change(scheme, motion.v[b, i], a_n, a)
             if i < 3:
                 predicted.x_predicted[b, i] = motion.x[b, i] + change
             else:
                 predicted.psi_predicted[b, i - 3] = change
-            predicted.v_predicted[b, i] = motion.v[b, i] + h * ((1.0 - gamma) * a_n + gamma * a)
+            predicted.v_predicted[b, i] = predicted_rate(scheme, motion.v[b, i], a_n, a)
             motion.a[b, i] = a
     accelerate(scheme, state, work)
 
@@ -87,12 +90,11 @@ def accelerate(scheme: Scheme, state: State, work: Workspace) -> None:
 
 @compiled
 def finish_bodies(scheme: Scheme, state: State) -> None:
-    """a_{n+1} = a* + v_dot_{n+1} / inertia_ratio"""
-    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    """Pseudo-accelerations at the end of the step."""
     motion = state.bodies
     for b in range(len(motion.a)):
         for i in range(6):
-            motion.a[b, i] += ratio * motion.v_dot[b, i]
+            motion.a[b, i] = end_pseudo_acceleration(scheme, motion.a[b, i], motion.v_dot[b, i])
 
 
 @compiled

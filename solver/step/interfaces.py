@@ -9,6 +9,12 @@ Source: docs/theory.md, Impulse responses and The time step.
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .measure import ROUNDING, relative
+from .newmark import (
+    end_pseudo_acceleration,
+    free_pseudo_acceleration,
+    predicted_change,
+    predicted_rate,
+)
 from .records.elastic import Elastic
 from .records.matrix import Pattern
 from .records.scheme import Scheme
@@ -19,20 +25,17 @@ from .vectors import inner
 
 @compiled
 def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
-    """Eqs (66)-(70) for displacements and rates, as for bodies."""
-    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    """Displacements and rates at the end of the step with the accelerations of its start."""
     motion, predicted = state.interfaces, work.interfaces
     copy(motion.u, predicted.u_n)
     copy(motion.p, predicted.p_n)
     copy(motion.rate, predicted.rate_n)
     for k in range(len(motion.u)):
         a_n = motion.a[k]
-        a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (
-            1.0 - scheme.alpha_m
-        )
-        change = h * motion.rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
+        a = free_pseudo_acceleration(scheme, motion.acceleration[k], a_n)
+        change = predicted_change(scheme, motion.rate[k], a_n, a)
         predicted.u_predicted[k] = motion.u[k] + change
-        predicted.rate_predicted[k] = motion.rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
+        predicted.rate_predicted[k] = predicted_rate(scheme, motion.rate[k], a_n, a)
         motion.a[k] = a
         motion.u[k] = predicted.u_predicted[k] + motion.acceleration[k] / scheme.beta_prime
 
@@ -40,24 +43,26 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
 @compiled
 def set_rates(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
     """Rates and accelerations of active dofs by Newmark's formulas, as those of the bodies."""
-    motion, predicted = state.interfaces, work.interfaces
     for i in range(len(elastic.active)):
-        k = elastic.active[i]
-        change = motion.u[k] - predicted.u_predicted[k]
-        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
-        motion.acceleration[k] = scheme.beta_prime * change
+        _set_rate(elastic.active[i], scheme, state, work)
+
+
+@compiled
+def _set_rate(k: int, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Rate and acceleration of dof k from its distance to the prediction."""
+    motion, predicted = state.interfaces, work.interfaces
+    change = motion.u[k] - predicted.u_predicted[k]
+    motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
+    motion.acceleration[k] = scheme.beta_prime * change
 
 
 @compiled
 def finish_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
     """Rates and accelerations of all dofs that belong to their displacements."""
-    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    motion, predicted = state.interfaces, work.interfaces
+    motion = state.interfaces
     for k in range(len(motion.u)):
-        change = motion.u[k] - predicted.u_predicted[k]
-        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
-        motion.acceleration[k] = scheme.beta_prime * change
-        motion.a[k] += ratio * motion.acceleration[k]
+        _set_rate(k, scheme, state, work)
+        motion.a[k] = end_pseudo_acceleration(scheme, motion.a[k], motion.acceleration[k])
 
 
 @compiled
