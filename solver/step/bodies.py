@@ -13,7 +13,7 @@ Source: docs/theory.md, The time step.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
-from .measure import ROUNDING, relative
+from .measure import SUM_ROUNDING, relative
 from .newmark import (
     end_pseudo_acceleration,
     free_pseudo_acceleration,
@@ -32,7 +32,7 @@ from .rotations import (
 )
 from .system import State, System, Workspace
 from .vectors import (
-    UNITS,
+    UNIT_AXES,
     Vector,
     add,
     cross,
@@ -190,7 +190,7 @@ def add_inertia(system: System, state: State, work: Workspace) -> None:
         for j in range(3):
             S[start + j * (stride + 1)] += h2 * scheme.beta_prime * bodies.mass[b]
             spin = cross(omega, (J[0, j], J[1, j], J[2, j]))
-            turned = cross(momentum_b, UNITS[j])
+            turned = cross(momentum_b, UNIT_AXES[j])
             for i in range(3):
                 gyroscopic = scheme.gamma_prime * (spin[i] - turned[i])
                 D[i, j] = scheme.beta_prime * J[i, j] + gyroscopic
@@ -259,12 +259,12 @@ def relative_body_residual(
     Newton's method is `at_rest`, lest it hide a true residual.
     """
     bodies, terms, tolerance = system.bodies, work.bodies, system.newton.tolerance
-    by_position = ROUNDING * system.scheme.beta_prime if at_rest else 0.0
+    by_position = SUM_ROUNDING * system.scheme.beta_prime if at_rest else 0.0
     worst = 0.0
     for b in range(len(bodies.mass)):
         forces, moments = terms.force_scale[b, 0], terms.force_scale[b, 1]
-        force_floor = ROUNDING * forces + by_position * bodies.mass[b] * reach
-        moment_floor = ROUNDING * (moments + reach * forces)
+        force_floor = SUM_ROUNDING * forces + by_position * bodies.mass[b] * reach
+        moment_floor = SUM_ROUNDING * (moments + reach * forces)
         for i in range(3):
             moment_floor += by_position * bodies.J_rot[b, i, i]
         for i in range(3):

@@ -11,8 +11,8 @@ from .vectors import dot
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
 """columns of an event, those of `Events` in results/motion.py"""
-GRAZE = 0.05
-"""peak over the largest of its contact below which nobody asks for the peak"""
+MIN_PEAK_SHARE = 0.05
+"""peak of an event over the largest peak of its contact below which the event only grazes"""
 
 
 @compiled
@@ -71,7 +71,7 @@ def follow_shortest(state: State, k: int) -> None:
     contacts, extremes = state.contacts, state.extremes
     peak, steps = contacts.peak[k], contacts.steps[k]
     extremes.peak[k] = max(extremes.peak[k], peak)
-    least = GRAZE * extremes.peak[k]
+    least = MIN_PEAK_SHARE * extremes.peak[k]
     first = extremes.shortest[k] == 0 or extremes.shortest_peak[k] < least
     if peak >= least and (first or steps < extremes.shortest[k]):
         extremes.shortest[k], extremes.shortest_peak[k] = steps, peak

@@ -1,7 +1,8 @@
 """The largest values of a run, by which its validity is judged (results/validity.py).
 
 They are counted at every step, recorded or not, as squares where that saves a root. A run ends
-where an interface turns or moves out of all range (`FARTHEST_TURN`, `FARTHEST_MOVE`).
+where an interface turns or moves out of all range (`MAX_ELASTIC_ROTATION`,
+`MAX_ELASTIC_DISPLACEMENT`).
 """
 
 import math
@@ -25,9 +26,9 @@ from .system import State, System, Workspace
 from .terms import keep_terms
 from .vectors import dot, triple
 
-FARTHEST_TURN = 0.5 * math.pi
+MAX_ELASTIC_ROTATION = 0.5 * math.pi
 """elastic rotation of an interface where a run ends [rad]"""
-FARTHEST_MOVE = 1.0
+MAX_ELASTIC_DISPLACEMENT = 1.0
 """elastic displacement of an interface over the size of its body where a run ends"""
 
 
@@ -93,11 +94,11 @@ def _follow_frames(frames: Frames, elastic: Elastic, state: State) -> None:
             rotation = dot(turn, turn)
         if displacement > extremes.displacement[f]:
             extremes.displacement[f] = displacement
-            size = FARTHEST_MOVE * elastic.size[elastic.of_body[frames.body[f]]]
+            size = MAX_ELASTIC_DISPLACEMENT * elastic.size[elastic.of_body[frames.body[f]]]
             _leave(extremes, f, displacement > size * size)
         if rotation > extremes.rotation[f]:
             extremes.rotation[f] = rotation
-            _leave(extremes, f, rotation > FARTHEST_TURN * FARTHEST_TURN)
+            _leave(extremes, f, rotation > MAX_ELASTIC_ROTATION * MAX_ELASTIC_ROTATION)
 
 
 @compiled

@@ -21,7 +21,7 @@ from .records.matrix import Pattern
 from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
 from .system import State, Workspace
 from .vectors import (
-    UNITS,
+    UNIT_AXES,
     Vector,
     add,
     add_to_row,
@@ -163,7 +163,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
         lever, omega = row(work.frames.lever, f), spin_of(state, b)
         tangent_inverse(work.bodies.psi[b], work.frames.T_inverse)
         for j in range(3):
-            e = UNITS[j]
+            e = UNIT_AXES[j]
             d_omega = scale(gamma_prime, multiply(work.frames.T_inverse, e))
             by_rotation = rotate(state.bodies.R, b, add(cross(e, local), cross(d_omega, lever)))
             spin_by_rotation = rotate(state.bodies.R, b, add(cross(e, spin), d_omega))
@@ -177,7 +177,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
         if k >= 0 and frames.rotations[f]:
             _tangent_slope(state, k + 3, triple(state.interfaces.rate, k + 3), work)
             for j in range(3):
-                e = UNITS[j]
+                e = UNIT_AXES[j]
                 change = subtract(
                     scale(gamma_prime, rotate_back(work.frames.T, f, e)),
                     multiply(work.frames.T_slope, e),
@@ -303,7 +303,7 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
         z = frames.column[f]
         small = z >= 0 and frames.rotations[f] == 1
         for j in range(3):
-            e = UNITS[j]
+            e = UNIT_AXES[j]
             dF, dM = cross(F, e), cross(M, e)
             _add_to_column(work.matrix.S, rotation + j, stride, add(cross(lever, dF), dM))
             if z >= 0:

@@ -8,7 +8,7 @@ Source: docs/theory.md, Impulse responses and The time step.
 
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .measure import ROUNDING, relative
+from .measure import SUM_ROUNDING, relative
 from .newmark import (
     end_pseudo_acceleration,
     free_pseudo_acceleration,
@@ -146,7 +146,7 @@ def relative_interface_residual(
     length, worst = system.elastic.length, 0.0
     for i in range(len(residual)):
         found = length[i] * residual[i]
-        worst = max(worst, relative(found, motion, ROUNDING * reach, tolerance))
+        worst = max(worst, relative(found, motion, SUM_ROUNDING * reach, tolerance))
     return worst
 
 

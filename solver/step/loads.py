@@ -17,12 +17,21 @@ from .frames import add_pair_tangent, add_wrench_scale, pull_back
 from .records.loads import Loads
 from .rotations import relative_rotation
 from .system import State, System, Workspace
-from .vectors import UNITS, Vector, add_to_row, cross, dot, rotate, scale, triple
+from .vectors import (
+    UNIT_AXES,
+    ZERO_VECTOR,
+    Vector,
+    add_to_row,
+    cross,
+    dot,
+    rotate,
+    scale,
+    triple,
+)
 
 LOAD_KINDS: list[Any] = []
 """kinds of loads, in the order of their numbers"""
 AnyKind = TypeVar("AnyKind", bound=type)
-ZERO = (0.0, 0.0, 0.0)
 
 
 def load_kind(*, moment: bool, by_velocity: bool = False) -> Callable[[AnyKind], AnyKind]:
@@ -64,7 +73,7 @@ def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bo
         return False
     vector = _directed(loads, m, work)
     for j in range(3):
-        turned = cross(UNITS[j], vector)
+        turned = cross(UNIT_AXES[j], vector)
         for i in range(3):
             H[i, 3 + j] += turned[i]
     return True
@@ -146,7 +155,7 @@ def add_load_scales(system: System, state: State, work: Workspace) -> None:
     loads = system.loads
     for m in range(len(loads.frame)):
         vector = load_vector(loads, m, work)
-        wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+        wrench = (ZERO_VECTOR, vector) if loads.moment[m] else (vector, ZERO_VECTOR)
         add_wrench_scale(system.frames, loads.frame[m], wrench, state, work)
 
 
@@ -166,7 +175,7 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         n = 12 if loads.by_velocity[m] else 6
         for j in range(n):
             vector = (H[0, j], H[1, j], H[2, j])
-            wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+            wrench = (ZERO_VECTOR, vector) if loads.moment[m] else (vector, ZERO_VECTOR)
             pull_back(frames, f, wrench, state, work, forces[j])
         for z in range(12):
             by_r = (forces[0, z], forces[1, z], forces[2, z])

@@ -10,7 +10,7 @@ from .extremes import follow_extremes
 from .force_laws import remember_laws
 from .frames import move_frame_velocities, move_frames
 from .friction import keep_status
-from .history import finish_history, quiet_modes, start_history
+from .history import finish_history, flush_denormals, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
@@ -100,7 +100,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
-    quiet_modes(state)
+    flush_denormals(state)
     state.step[0] += system.scheme.stride
     state.taken[0] += 1
 

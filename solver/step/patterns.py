@@ -13,7 +13,7 @@ from .records.loads import LoadPatterns
 from .records.scheme import Scheme
 from .rotations import relative_rotation
 from .system import State, System, Workspace
-from .vectors import UNITS, cross, magnitude, rotate, row, scale
+from .vectors import UNIT_AXES, cross, magnitude, rotate, row, scale
 
 
 @compiled
@@ -55,7 +55,7 @@ def add_pattern_tangents(system: System, work: Workspace) -> None:
         start, stride = block[b, 0], block[b, 1]
         F = scale(work.loads.value[patterns.signal[t]], row(patterns.force, t))
         for j in range(3):
-            turned = cross(UNITS[j], F)
+            turned = cross(UNIT_AXES[j], F)
             for i in range(3):
                 work.matrix.S[start + i * stride + 3 + j] += turned[i]
 
