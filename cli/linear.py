@@ -65,11 +65,12 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
 
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(output, model_file)
-        linear = solver.linearize(solver.read_model(model_file))
+        model = solver.read_model(model_file)
+        linear = solver.linearize(model)
         found = linear.modes(n)
         title = _linear_title(model_file, linear.spin)
         Console().print(modes_table(title, found))
-        _tell_validity(model_file, linear.validity(found))
+        _tell_validity(model, linear.validity(found))
         if output is not None:
             _write(output, modes_csv(found), lambda: modes_picture(title, linear, found))
 
@@ -98,7 +99,7 @@ def frf(
         if static:
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
-            _tell_validity(model_file, linear.validity())
+            _tell_validity(model, linear.validity())
             if output is not None:
                 _write(output, response_csv({"": response}), None)
             return
@@ -115,7 +116,7 @@ def frf(
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
             for kind in kinds
         }
-        _tell_validity(model_file, linear.validity(None, frequencies))
+        _tell_validity(model, linear.validity(None, frequencies))
         title = _linear_title(model_file, linear.spin)
         _write(target, response_csv(responses), lambda: response_picture(title, responses))
 
@@ -147,17 +148,14 @@ def campbell(
         raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")
     with errors_in_one_line(solver, superelement, view):
         _require_no_model(target, model_file)
-        diagram = solver.campbell(
-            solver.read_model(model_file),
-            np.linspace(first, last, count).tolist(),
-            n,
-            progress=True,
-        )
+        model = solver.read_model(model_file)
+        spins = np.linspace(first, last, count).tolist()
+        diagram = solver.campbell(model, spins, n, progress=True)
         for table in campbell_tables(model_file.stem, diagram):
             Console().print(table)
         for line in crossing_lines(diagram, wanted):
             typer.echo(one_line(line))
-        _tell_validity(model_file, diagram.validity)
+        _tell_validity(model, diagram.validity)
         _write(
             target,
             campbell_rows(diagram),
@@ -165,12 +163,19 @@ def campbell(
         )
 
 
-def _tell_validity(model_file: Path, validity: Any) -> None:
-    """The table of validity where bodies deform, and a line on stderr for each limit passed."""
+def _tell_validity(model: Any, validity: Any) -> None:
+    """The table of validity where bodies deform, and a line on stderr for each limit passed.
+
+    Before it, as in runs, a line for each body whose moduli are given at a frequency.
+    """
+    from ..solver import given_moduli
+
+    for line in given_moduli(model):
+        typer.echo(one_line(line))
     if validity.checks:
         typer.echo(str(validity))
     for warning in validity.warnings:
-        typer.echo(one_line(f"warning: {model_file}: {warning}"), err=True)
+        typer.echo(one_line(f"warning: {model.path}: {warning}"), err=True)
 
 
 def _linear_title(model_file: Path, spin: float) -> str:

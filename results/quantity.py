@@ -21,8 +21,6 @@ from .batches import Batch
 from .dimensions import DIMENSIONS, Axes, Axis, Dimension
 from .errors import ResultsError
 
-ABOUT_AXES = ("rad", "rad s-1", "rad s-2", "N m", "kg m2 s-1")
-"""units of vectors about an axis; others are along one"""
 POWERS = {"2": "²", "3": "³"}
 
 
@@ -40,7 +38,8 @@ class Quantity:
     along: str = ""
     """the dimension of its components, if it has several"""
     name: str = ""
-    """of the variable in the file and of the array of the time loop, by default OWNER_ATTRIBUTE"""
+    """of the variable in the file and of the array of the time loop: its attribute unless given,
+    behind OWNER_ where it has an owner"""
     of: str = ""
     """the dimension of its entries, where an owner has several or none"""
     attribute: str = ""
@@ -53,7 +52,7 @@ class Quantity:
     since: int = 0
     """the version of files that has it first, where an owner had others before"""
     plot: str | None = None
-    """its name in `plot`, which several may share; by default that of the file; "": it has none"""
+    """its name in `plot`, which several may share; "": it has none"""
     role: str = ""
     """the names that `plot` takes, where these are not those of all of its owners"""
     words: str | tuple[str, ...] = ""
@@ -62,14 +61,24 @@ class Quantity:
     """what its whole numbers mean"""
     in_peaks: bool = False
     """whether a table of peaks has it unasked"""
+    in_vtk: bool = False
+    """whether it is a field of the bodies, or frames, that ParaView shows"""
     section: str = ""
     """of the report that draws it unasked"""
     group: str = ""
     dimensions: tuple[str, ...] = ()
 
-    def within(self, group: str, owner: str, rows: str, attribute: str) -> "Quantity":
-        """This quantity as an attribute of the owners of a group."""
-        name = self.name or f"{owner or rows}_{attribute}"
+    def within(
+        self, attribute: str, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
+    ) -> "Quantity":
+        """This quantity as an attribute of the owners of a group.
+
+        plot: a pattern of names in `plot`, where they are not those in the file.
+        """
+        own = self.name or attribute
+        name = "_".join(filter(None, (owner or rows.removeprefix("time"), own)))
+        plotted = not self.of and rows == "time"
+        shown = (plot.format(own) if plot else name) if self.plot is None else self.plot
         return replace(
             self,
             group=group,
@@ -77,6 +86,7 @@ class Quantity:
             attribute=self.attribute or attribute,
             name=name,
             source="" if self.derive else self.source or name,
+            plot=shown if plotted else "",
         )
 
     @property
@@ -115,8 +125,8 @@ class Quantity:
         """The unit of each entry, or the one unit; of all entries, or some of its dimension."""
         if isinstance(self.unit, str):
             return (self.unit,)
-        angular = axes[self.measured].angular[entries]
-        return tuple(self.unit[k] for k in (angular if isinstance(angular, tuple) else (angular,)))
+        chosen = entries if isinstance(entries, slice) else slice(entries, entries + 1)
+        return tuple(self.unit[angular] for angular in axes[self.measured].angular[chosen])
 
     @property
     def measured(self) -> str:
@@ -157,12 +167,11 @@ def _together(rows: Sequence[int]) -> Any:
 
 def readable(unit: str) -> str:
     """A unit as a person writes it: "m s-2" as "m/s²", "kg m2 s-1" as "kg m²/s"."""
-    above: list[str] = []
-    below: list[str] = []
+    above, below = list[str](), list[str]()
     for symbol, minus, power in re.findall(r"([A-Za-z]+|1)(-?)(\d*)", unit):
         factor = symbol + POWERS.get(power, "")
         (below if minus else above).append(factor)
-    return "/".join([" ".join(above) or "1", *below])
+    return "/".join([" ".join(above) or "1", *below]) if unit else ""
 
 
 class Attribute:
@@ -176,6 +185,9 @@ class Attribute:
 
     def __get__(self, instance: "Recorded | None", owner: type) -> "Attribute":
         return self if instance is None else instance.lacks(self)
+
+    def __repr__(self) -> str:
+        return f"{self.shape} {'; '.join(map(str, self.quantities))}"
 
     @property
     def shape(self) -> str:
@@ -193,6 +205,11 @@ def quantity(*arguments: Any, **more: Any) -> Any:
     return Attribute((Quantity(*arguments, **more),))
 
 
+def vector(*arguments: Any, **more: Any) -> Any:
+    """A field that is a quantity with components along x, y, z."""
+    return quantity(*arguments, along="axis", **more)
+
+
 def joined(*fields: Any) -> Any:
     """A field of several quantities, joined along the last axis."""
     return Attribute(tuple(one for field in fields for one in field.quantities))
@@ -201,35 +218,48 @@ def joined(*fields: Any) -> Any:
 class Recorded:
     """Arrays of an owner, or of the whole run, as attributes by the records of its class.
 
-    Keywords of a class that has records: its group, the dimension of its owners if it has any, and
-    that of its rows. An attribute that results do not have, as those of earlier versions, is a
+    Keywords of a class that has records: its group; the dimension of its owners, if it has any, and
+    of its rows; and a pattern of the names of its quantities in `plot`, which are those in the file
+    unless given. An attribute that results do not have, as those of earlier versions, is a
     `ResultsError` when it is asked for.
     """
+
+    # beside `vars`, which has the arrays alone
+    __slots__ = ("__dict__", "_origin")
+    _origin: tuple[str, int]
 
     group: ClassVar[str] = ""
     owner: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
-    has_events: ClassVar[bool] = False
-    """whether its owners are counted in the events of the run"""
+    kinds: ClassVar[list[type["Recorded"]]] = []
+    """all classes that have records"""
 
-    def __init_subclass__(cls, group: str = "", owner: str = "", rows: str = "time") -> None:
+    def __init_subclass__(
+        cls, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
+    ) -> None:
         cls.group, cls.owner = group, owner
         found = [(name, one) for name, one in vars(cls).items() if isinstance(one, Attribute)]
         for name, one in found:
-            one.quantities = tuple(q.within(group, owner, rows, name) for q in one.quantities)
+            one.quantities = tuple(q.within(name, group, owner, rows, plot) for q in one.quantities)
         cls.quantities = tuple(quantity for _, one in found for quantity in one.quantities)
+        if cls.quantities:
+            Recorded.kinds.append(cls)
 
     def __init__(self, arrays: Mapping[str, Any], origin: tuple[str, int] = ("", 0)) -> None:
         """arrays: by attribute; origin: the name of the results and their version."""
-        vars(self).update(arrays, _origin=origin)
+        vars(self).update(arrays)
+        object.__setattr__(self, "_origin", origin)
 
     def lacks(self, attribute: Attribute) -> NoReturn:
-        results, version = vars(self)["_origin"]
+        results, version = self._origin
         names = ", ".join(repr(quantity.name) for quantity in attribute.quantities)
         raise ResultsError(lacking(results, version, names, attribute.quantities[0].since))
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
         raise AttributeError(f"cannot assign to {name!r}: results are not changed")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (vars(self), self._origin)
 
     def __repr__(self) -> str:
         arrays = (f"{k} {v.shape}" for k, v in vars(self).items() if isinstance(v, np.ndarray))

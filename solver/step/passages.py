@@ -124,7 +124,7 @@ def _has_passed(
     if closed:
         deep = max(-before, -after) + 0.1 * FINEST_PART * size
         return _reaches(rows, i, path, False, deep, length, 1.0 / PLACES_OF_CLOSED, work)
-    if before + after > length or length < FINEST_PART * size < math.inf:
+    if before + after > MAX_GAP_SLOPE * length or length < FINEST_PART * size < math.inf:
         return False
     if size == math.inf and min(before, after) > bend + sag:
         return False

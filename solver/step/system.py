@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...results.contents import output_fields
+from ...results.motion import output_fields
 from ..arrays import Array, Index
 from ..compiler.struct import ArrayField, Struct, array
 from .records.bodies import Bodies, BodyState, BodyWork

@@ -78,6 +78,8 @@ class ExtremeState(Struct):
     """largest part of a moment of inertia that the elastic motion takes"""
     opening: Array = array("n_i")
     """largest constraint violation of the rows of joints and motions [m, rad]"""
+    force: Array = array("n_i")
+    """largest magnitude of the multipliers of the rows of joints and motions [N, N m]"""
     missed: Array = array("n_o")
     """largest distance of an observed coordinate from what its mean rate over a step predicts
     [m, rad]"""
