@@ -104,7 +104,7 @@ class ContactLaw(ForceLaw):
         N, slope, energy = _elastic(parameters, d)
         g = _damping(parameters, memory)
         share = 1.0 + g * side * rate
-        if share <= 0.0:
+        if share <= 0.0:  # the damping would pull: bodies do not stick together
             return 0.0, 0.0, 0.0, energy
         return side * N * share, slope * share, g * N, energy
 

@@ -259,6 +259,7 @@ def relative_body_residual(
     Newton's method is `at_rest`, lest it hide a true residual.
     """
     bodies, terms, tolerance = system.bodies, work.bodies, system.newton.tolerance
+    # beta' is of the order 1 / h^2, which makes of rounded positions large rounded forces.
     by_position = SUM_ROUNDING * system.scheme.beta_prime if at_rest else 0.0
     worst = 0.0
     for b in range(len(bodies.mass)):

@@ -25,6 +25,7 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         return
     before, side = penetration_of(couplings, i, old.coordinate[i])
     after, new_side = penetration_of(couplings, i, out.coordinate[i])
+    # The gap is taken as linear within the step.
     crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
     if closed and not contacts.steps[k]:
         begins = before <= 0.0  # or else it was closed at the start of the run

@@ -132,6 +132,7 @@ def slip_axis(rows: Rows, i: int, work: Workspace) -> Vector:
     along, across = row(rows.a, i), row(rows.a_turned, i)
     best, least = along, abs(dot(along, n))
     for axis in (across, cross(along, across)):
+        # The margin keeps rounding from choosing between two axes that are equally good.
         if abs(dot(axis, n)) < least - 1e-9:
             best, least = axis, abs(dot(axis, n))
     return best

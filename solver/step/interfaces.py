@@ -60,6 +60,7 @@ def _set_rate(k: int, scheme: Scheme, state: State, work: Workspace) -> None:
 def finish_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
     """Rates and accelerations of all dofs that belong to their displacements."""
     motion = state.interfaces
+    # Those of dofs that are not active have not been needed so far.
     for k in range(len(motion.u)):
         _set_rate(k, scheme, state, work)
         motion.a[k] = end_pseudo_acceleration(scheme, motion.a[k], motion.acceleration[k])
@@ -109,7 +110,7 @@ def weigh_forces(system: System, work: Workspace) -> None:
             target = start + (6 + i) * stride
             for k in range(n):
                 G = elastic.G_active[elastic.G_active_start[e] + i * n + k]
-                if G != 0.0:
+                if G != 0.0:  # directions that do not interact are frequent
                     for j in range(width):
                         S[target + j] -= G * forces[k * width + j]
     for b in range(len(pattern.body)):

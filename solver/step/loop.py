@@ -52,6 +52,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         if not converged:
             return k, residual
         _finish(system, state, work)
+        # Such a step does not count: it is taken again with steps that resolve the contact.
         in_flight = system.scheme.stride > 1
         if state.contacts.passed[0] or (in_flight and is_closed(system.couplings, work)):
             return k, residual

@@ -13,7 +13,7 @@ SMALLEST_SCALE = 1e-300
 @compiled
 def relative(residual: float, scale: float, floor: float, tolerance: float) -> float:
     """|residual| / scale, 0 up to the floor that rounding sets, infinite for what is no number."""
-    if not abs(residual) < math.inf:
+    if not abs(residual) < math.inf:  # written so that it holds for NaN as well
         return math.inf
     if abs(residual) <= floor:
         return 0.0

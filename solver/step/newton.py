@@ -166,5 +166,6 @@ def _restart(system: System, state: State, work: Workspace) -> None:
     """The safest guess: no accelerations, displacements and multipliers of the last step."""
     state.bodies.v_dot[:] = 0.0
     accelerate(system.scheme, state, work)
+    # Predicted displacements belong to the accelerations that have just been dropped.
     copy(work.interfaces.u_n, state.interfaces.u)
     copy(work.couplings.lam_n, state.couplings.lam)

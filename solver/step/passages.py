@@ -109,6 +109,7 @@ def _has_passed(
     square_A, arm_A = _turn_and_arm(system, f, work)
     square_B, arm_B = _turn_and_arm(system, g, work)
     apart = magnitude(delta_of(rows, i, work))
+    # An arc of angle psi and radius l stays within psi^2 l / 8 of its chord.
     bend = 0.125 * (square_A * (arm_A + apart) + square_B * arm_B)
     bend += 0.5 * math.sqrt(square_A) * travel
     if before + after > 2.0 * travel + 8.0 * bend:  # far away, and in a smooth motion for sure
@@ -135,6 +136,7 @@ def _has_passed(
         deep = NEGLIGIBLE_DEPTH * size + PATH_ERROR * sag
     if not _reaches(rows, i, path, True, deep, length, finest, work):
         return False
+    # An impact elsewhere makes velocities jump, so that the parabola alone proves nothing.
     smooth = not is_closed(system.couplings, work) and not _were_closed(state)
     return smooth or _reaches(rows, i, path, False, deep, length, finest, work)
 

@@ -182,10 +182,13 @@ def _polished(
         x, dx, ddx = _cubic(parameters, piece, 1, t)
         z, dz, ddz = _cubic(parameters, piece, 5, t)
         slope = dx * dx + dz * dz
+        # Beyond a center of curvature the second derivative is negative, and Newton's method would
+        # go to the farthest point: so a part of the slope bounds it from below.
         curvature = slope - (px - x) * ddx - (py - z) * ddz
         change = ((px - x) * dx + (py - z) * dz) / max(curvature, 0.2 * slope)
         t += change
         length = parameters[1 + NUMBERS_PER_PIECE * piece]
+        # A point beyond an end of its piece goes on in the neighbor, or stays at a free end.
         if t < 0.0:
             if piece == 0 and not closed:
                 t = 0.0
