@@ -28,7 +28,7 @@ from ..schema.values import (
     Positive,
     ZeroOrPositive,
 )
-from ..step.gaps import FirstSlip, Gap, SecondSlip
+from ..step.gaps import FirstSlip, Gap, SecondSlip, gap_parameters
 from ..step.shapes import Cylinder, Plane, Profile, Sphere
 from .coupling import GROUND, Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
@@ -247,15 +247,13 @@ class Contact(Entry, Coupling):
 
     def _parameters(self) -> list[float]:
         """The parameters of compiled code: ball, side, then those of the shape."""
-        # The sign of the gap: the ball is outside of the surface, or inside.
-        side = -1.0 if self.hollow else 1.0
         length = math.inf if self.length is None else self.length
-        own: list[float] = []
+        shape: list[float] = []
         if self.points is not None:
-            own = _pieces(self.points)
+            shape = _pieces(self.points)
         elif self.radius is not None:
-            own = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
-        return [self.ball, side, *own]
+            shape = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
+        return gap_parameters(self.ball, self.hollow, shape)
 
     @property
     def _size(self) -> float:

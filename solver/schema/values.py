@@ -26,7 +26,7 @@ NO_ARRAY: Any = None
 # A vector that was normalized before differs from 1 by a few roundings. It must stay as it is, or
 # files would not read back to equal models.
 UNIT_LENGTH_TOLERANCE = 1e-15
-NAMED_AXES = {
+AXIS_WORDS = {
     f"{sign}{axis}": tuple((-1.0 if sign else 1.0) * (k == n) for k in range(3))
     for n, axis in enumerate("xyz")
     for sign in ("", "-")
@@ -111,7 +111,7 @@ def vector(value: Any) -> Array:
 def axis_or_vector(value: Any) -> Array:
     """Three numbers; "x", "-z", ... are the axes and their opposites."""
     # An unknown word goes on to `vector`, whose error says what is expected.
-    return vector(NAMED_AXES.get(value, value) if isinstance(value, str) else value)
+    return vector(AXIS_WORDS.get(value, value) if isinstance(value, str) else value)
 
 
 def direction(value: Any) -> Array:
