@@ -16,7 +16,7 @@ from .build import assemble, memory_shortage_told
 from .plausibility import refused_where_singular
 from .responses.static import compliance
 
-STATED = 2.0
+STATED_ERROR_FACTOR = 2.0
 """Times the error that a superelement states, by which its compliance may differ."""
 
 
@@ -36,7 +36,7 @@ def static_check(element: Superelement, body: Body) -> Check:
         found, limit = np.inf, 0.0
     else:
         found = deviation(element.compliance, H, scale_of(element, H))
-        limit = STATED * element.kernel.error + ROUNDING
+        limit = STATED_ERROR_FACTOR * element.kernel.error + ROUNDING
     return Check(
         "static/compliance",
         "the static solution of the mesh",

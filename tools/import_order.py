@@ -62,6 +62,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "connectivity",
         "formats",
         "reading",
+        "quadratic",
         "writing",
         "in_memory",
     ),

@@ -1,5 +1,6 @@
 """Elastic parts: a mesh with materials or sections and interfaces, which becomes a superelement."""
 
+import html
 import math
 import os
 import warnings
@@ -8,9 +9,9 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-from duhamel import preprocess
+from duhamel import preprocess, view
 from duhamel.inputs import InputError, Table, quoted, read_part
-from duhamel.preprocess.body.body import Method, PointMass, Solver
+from duhamel.preprocess.body.body import Method, PointMass, SolverName
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
@@ -20,19 +21,20 @@ from duhamel.preprocess.mesh.in_memory import mesh_of
 from duhamel.superelement import Superelement
 from numpy.typing import ArrayLike
 
+from .pictures import Picture, embedded
 from .selections import selection_of
 from .vectors import vector
 
 Where = Selection | str | ArrayLike
 """a selection, the name of a group of the mesh, or a point (3,) [m] for the node nearest to it"""
-ENTRIES: dict[str, type[Table]] = {
+TABLE_KINDS: dict[str, type[Table]] = {
     "interfaces": InterfaceSelection,
     "masses": PointMass,
     "loads": LoadPattern,
     "sensors": SensorPoint,
 }
 """what body files give by name"""
-STEPS = 100
+DEFAULT_STEPS = 100
 """steps of sampled impulse responses where no duration is given; modes hold for any duration"""
 
 
@@ -50,6 +52,9 @@ class Part:
         Its name in messages and files.
     scale : float [m]
         The unit of length of the mesh: 1e-3 for millimeters. All else is in SI units.
+    order : {1, 2}
+        2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes
+        in the middle of their edges.
 
     Examples
     --------
@@ -75,9 +80,12 @@ class Part:
         *,
         name: str = "part",
         scale: float = 1.0,
+        order: Literal[1, 2] = 1,
     ) -> None:
         self.name = name
         self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
+        if order != 1:
+            self._table["order"] = order
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:
@@ -303,7 +311,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
     ) -> preprocess.Body:
         """The part with the impulse responses that are asked for, as a body file has it.
 
@@ -312,7 +320,7 @@ class Part:
         asked: dict[str, Any] = {"step": step, "band": band, "modes": modes}
         asked |= {"tolerance": tolerance, "rho_inf": rho_inf}
         if step is not None:
-            asked["steps"] = STEPS if duration is None else _steps(duration, step)
+            asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
         if method != "auto":
             asked["method"] = method
         if solver != "auto":
@@ -339,7 +347,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
         progress: bool = False,
     ) -> Superelement:
         """The superelement of the part, for `Mechanism.add`.
@@ -383,10 +391,27 @@ class Part:
             solver=solver,
         )
         told = list(preprocess.doubts_of_body(body))
-        built = preprocess.build(body, progress=progress, told=told.append)
+        built = preprocess.build(body, progress=progress, on_warning=told.append)
         for doubt in told:
             warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
         return built
+
+    def draw(self, step: float = 1e-5) -> Picture:
+        """Draw the part with its interfaces, masses and sensors, as the dry run does.
+
+        Parameters
+        ----------
+        step : float [s]
+            That of its impulse responses, as far as it is not known.
+        """
+        from duhamel.cli.survey import scene
+        from duhamel.preprocess.survey import survey
+
+        known = "impulse" in self._table
+        return Picture(view.draw_scene(scene(survey(self.body(None if known else step)))))
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>{embedded(self.draw()._repr_png_())}"
 
     def write(
         self, path: str | os.PathLike[str], step: float | None = None, duration: float | None = None
@@ -401,7 +426,7 @@ class Part:
                 f"part {self.name!r}: {table}: {quoted(name)} is there already"
             )
         try:
-            entries[name] = read_part(entry, ENTRIES[table])
+            entries[name] = read_part(entry, TABLE_KINDS[table])
         except InputError as error:
             raise preprocess.BodyError(f"part {self.name!r}: {table}: {name}: {error}") from error
         self._table[table] = entries

@@ -423,7 +423,7 @@ def test_a_superelement_states_its_error_and_what_it_is_good_for(solid_body, box
 def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short_of):
     structure, h = block
     if short_of == "vectors":
-        monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", 30)
+        monkeypatch.setattr("duhamel.preprocess.responses.krylov.MAX_KRYLOV_VECTORS", 30)
     else:
         for place in ("available", "scratch"):
             monkeypatch.setattr(
@@ -445,7 +445,7 @@ def test_no_room_for_the_fewest_blocks_is_told(block, monkeypatch):
     structure, h = block
     n_c = structure.P_C.shape[0]
     room = 6 + 2 * n_c - 1
-    monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", room)
+    monkeypatch.setattr("duhamel.preprocess.responses.krylov.MAX_KRYLOV_VECTORS", room)
     message = f"2 blocks of {n_c} vectors, the fewest, take more than the {room} vectors that there"
     with pytest.raises(MethodError, match=message):
         krylov_modes(
