@@ -52,7 +52,7 @@ class Batch(NamedTuple):
 
 
 STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
-FURTHER = ("compliance_work", "modal_loss", "modal_damping")
+FURTHER_WORKS = ("compliance_work", "modal_loss", "modal_damping")
 """further arrays of the time loop (n,) [J], from which energies are derived
 
 The work of springs and dampers on bodies; the work of the loads on modes, less their energy; and

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ..files.outputs import resolved
 from ..superelement import sha256
-from .batches import FURTHER
+from .batches import FURTHER_WORKS
 from .dimensions import DIMENSIONS, FIXED, Axes, Axis
 from .motion import EVENT_NUMBER, EVENT_OF, EVENTS, OWNERS, QUANTITIES, TIME
 from .quantity import Quantity
@@ -40,7 +40,7 @@ def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
         for quantity in QUANTITIES
         if quantity.source
     }
-    return fields | dict.fromkeys(FURTHER, (("time",), False))
+    return fields | dict.fromkeys(FURTHER_WORKS, (("time",), False))
 
 
 class SuperelementFile(NamedTuple):

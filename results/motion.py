@@ -5,60 +5,44 @@ show, says the same, and a test compares them.
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .batches import EventRows, balance, dissipated, numerical, time_of
-from .quantity import Quantity, Recorded, joined, quantity
+from .quantity import Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
 
+_energy = partial(quantity, "J", plot="")
+"""the field of an energy, which `plot` has as "energy:NAME" """
 
-class BodyMotion(Recorded, group="bodies", owner="body"):
+
+class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
     """Motion of a center of mass and of body axes."""
 
-    x: Array = quantity(
-        "m", "center of mass, in space", "axis", name="body_position", plot="position"
-    )
+    x: Array = vector("m", "center of mass, in space", name="position")
     """(n, 3) center of mass, in space [m]"""
     R: Array = quantity(
-        "1", "unit quaternion, body to space", "quaternion", name="body_rotation", plot=""
+        "1", "unit quaternion, body to space", "quaternion", name="rotation", plot=""
     )
     """(n, 4) unit quaternion, body to space, the scalar first"""
     v: Array = joined(
-        quantity(
-            "m s-1",
-            "velocity of the center of mass, in space",
-            "axis",
-            name="body_velocity",
-            plot="velocity",
-        ),
-        quantity(
-            "rad s-1",
-            "angular velocity, in body axes",
-            "axis",
-            name="body_angular_velocity",
-            plot="",
-        ),
+        vector("m s-1", "velocity of the center of mass, in space", name="velocity"),
+        vector("rad s-1", "angular velocity, in body axes", name="angular_velocity", plot=""),
     )
     """(n, 6) velocity of the center of mass, in space [m/s]; angular velocity, in body axes
     [rad/s]"""
     v_dot: Array = joined(
-        quantity(
+        vector(
             "m s-2",
             "acceleration of the center of mass, in space",
-            "axis",
-            name="body_acceleration",
-            plot="acceleration",
+            name="acceleration",
             in_peaks=True,
         ),
-        quantity(
-            "rad s-2",
-            "angular acceleration, in body axes",
-            "axis",
-            name="body_angular_acceleration",
-            plot="",
+        vector(
+            "rad s-2", "angular acceleration, in body axes", name="angular_acceleration", plot=""
         ),
     )
     """(n, 6) acceleration of the center of mass, in space [m/s²]; angular acceleration, in body
@@ -102,69 +86,52 @@ class BodyMotion(Recorded, group="bodies", owner="body"):
         return rotate(self.R, self.v_dot[:, 3:])
 
 
-class FrameMotion(Recorded, group="frames", owner="frame"):
+class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
     """Motion of a frame, and the wrench on its body there.
 
     `velocity`, `acceleration` and `force` have six columns: those of a body have three.
     """
 
-    position: Array = quantity("m", "origin of the frame, in space", "axis", plot="position")
+    position: Array = vector("m", "origin of the frame, in space")
     """(n, 3) origin of the frame, in space [m]"""
     rotation: Array = quantity("1", "unit quaternion, frame to space", "quaternion", plot="")
     """(n, 4) unit quaternion, frame to space, the scalar first"""
     velocity: Array = joined(
-        quantity("m s-1", "velocity of the origin of the frame, in space", "axis", plot="velocity"),
-        quantity(
-            "rad s-1", "angular velocity, in space", "axis", name="frame_angular_velocity", plot=""
-        ),
+        vector("m s-1", "velocity of the origin of the frame, in space"),
+        vector("rad s-1", "angular velocity, in space", name="angular_velocity", plot=""),
     )
     """(n, 6) velocity of the origin of the frame, in space [m/s]; angular velocity, in space
     [rad/s]"""
     acceleration: Array = joined(
-        quantity(
-            "m s-2",
-            "acceleration of the origin of the frame, in space",
-            "axis",
-            plot="acceleration",
-        ),
-        quantity(
-            "rad s-2",
-            "angular acceleration, in space",
-            "axis",
-            name="frame_angular_acceleration",
-            plot="",
-        ),
+        vector("m s-2", "acceleration of the origin of the frame, in space"),
+        vector("rad s-2", "angular acceleration, in space", name="angular_acceleration", plot=""),
     )
     """(n, 6) acceleration of the origin of the frame, in space [m/s²]; angular acceleration, in
     space [rad/s²]"""
     u: Array = joined(
-        quantity(
+        vector(
             "m",
             "elastic displacement of the interface, in body axes",
-            "axis",
-            name="frame_elastic_displacement",
-            plot="elastic_displacement",
+            name="elastic_displacement",
             role="INTERFACE",
             in_peaks=True,
         ),
-        quantity(
+        vector(
             "rad",
             "elastic rotation vector of the interface, in body axes",
-            "axis",
-            name="frame_elastic_rotation",
-            plot="elastic_rotation",
+            name="elastic_rotation",
             role="INTERFACE",
         ),
     )
     """(n, 6) elastic displacement of the interface, in body axes [m]; elastic rotation vector of
     the interface, in body axes [rad]; 0 on rigid bodies"""
     force: Array = joined(
-        quantity("N", "force of joints, springs and loads on the body, in space", "axis"),
-        quantity(
+        vector("N", "force of joints, springs and loads on the body, in space", plot="frame_force"),
+        vector(
             "N m",
             "moment of the same about the origin of the frame, in space",
-            "axis",
-            name="frame_moment",
+            name="moment",
+            plot="frame_moment",
         ),
     )
     """(n, 6) force of joints, springs and loads on the body, in space [N]; moment of the same about
@@ -234,32 +201,25 @@ class Coupling(Recorded):
         raise AttributeError(f"no coordinate {name!r}; there are: {known}")
 
 
-class JointMotion(Coupling, group="joints", owner="joint"):
+class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
     """Loads and coordinates of a joint or a prescribed motion; `coordinates` lists the latter."""
 
-    force: Array = quantity(
+    force: Array = vector(
         "N",
         "force on the second body, in space",
-        "axis",
         source="coupling_force",
-        plot="force",
         in_peaks=True,
         section="Forces",
     )
     """(n, 3) force on the second body, in space [N]"""
-    moment: Array = quantity(
-        "N m",
-        "moment on the second body, in space",
-        "axis",
-        source="coupling_moment",
-        plot="moment",
-        section="Forces",
+    moment: Array = vector(
+        "N m", "moment on the second body, in space", source="coupling_moment", section="Forces"
     )
     """(n, 3) moment on the second body, in space [N m], about its frame"""
     multipliers: Array = quantity(
         ("N", "N m"),
         "Lagrange multiplier of each constraint",
-        name="joint_multiplier",
+        name="multiplier",
         of="joint_constraint",
         source="multiplier",
     )
@@ -268,21 +228,21 @@ class JointMotion(Coupling, group="joints", owner="joint"):
         quantity(
             ("m", "rad"),
             "value of each coordinate; angles go on over full turns",
-            name="joint_position",
+            name="position",
             of="joint_coordinate",
             attribute="{}",
         ),
         quantity(
             ("m s-1", "rad s-1"),
             "rate of each coordinate",
-            name="joint_rate",
+            name="rate",
             of="joint_coordinate",
             attribute="{}_rate",
         ),
         quantity(
             ("N", "N m"),
             "friction, on the coordinate",
-            name="joint_friction",
+            name="friction",
             of="joint_with_friction",
             attribute="{}",
             source="friction_force",
@@ -290,7 +250,7 @@ class JointMotion(Coupling, group="joints", owner="joint"):
         quantity(
             ("1", "1"),
             "0 before the first step, 1 sticks, 2 slips",
-            name="joint_friction_state",
+            name="friction_state",
             of="joint_with_friction",
             attribute="{}_state",
             source="friction_state",
@@ -300,25 +260,17 @@ class JointMotion(Coupling, group="joints", owner="joint"):
     )
 
 
-class SpringMotion(Coupling, group="springs", owner="spring"):
+class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
     """Loads of a spring; `coordinates["coordinates"]` (n, rows) has its lengths and angles."""
 
-    force: Array = quantity(
-        "N", "force on the second body, in space", "axis", source="coupling_force", plot="force"
-    )
+    force: Array = vector("N", "force on the second body, in space", source="coupling_force")
     """(n, 3) force on the second body, in space [N]"""
-    moment: Array = quantity(
-        "N m",
-        "moment on the second body, in space",
-        "axis",
-        source="coupling_moment",
-        plot="moment",
-    )
+    moment: Array = vector("N m", "moment on the second body, in space", source="coupling_moment")
     """(n, 3) moment on the second body, in space [N m], about its frame"""
     multipliers: Array = quantity(
         ("N", "N m"),
         "force or moment of each component",
-        name="spring_multiplier",
+        name="multiplier",
         of="spring_component",
         source="multiplier",
     )
@@ -326,7 +278,7 @@ class SpringMotion(Coupling, group="springs", owner="spring"):
     _of_coordinates: dict[str, Array] = quantity(
         ("m", "rad"),
         "length or angle of each component",
-        name="spring_coordinate",
+        name="coordinate",
         of="spring_component",
         attribute="coordinates",
         source="coordinate",
@@ -426,27 +378,33 @@ class _Touching(Recorded):
     """each time that it was closed, counted at every step"""
 
 
-class ContactMotion(_Touching, group="contacts", owner="contact"):
+class ContactMotion(_Touching, group="contacts", owner="contact", plot="{}"):
     """What happens between the ball and the shape of a contact, with the `events` of it."""
 
-    gap: Array = quantity(
-        "m", "gap, negative where it is closed", source="gap", plot="gap", section="Contacts"
-    )
+    gap: Array = quantity("m", "gap, negative where it is closed", source="gap", section="Contacts")
     """(n,) gap, negative where it is closed [m]"""
     force: Array = quantity(
         "N", "force on the second body, along normal and tangents", "contact_axis", plot=""
     )
     """(n, 3) force on the second body, along normal and tangents [N], t2 = normal x t1"""
-    normal: Array = quantity("1", "normal of the shape, towards the second body, in space", "axis")
+    normal: Array = vector(
+        "1", "normal of the shape, towards the second body, in space", plot="contact_normal"
+    )
     """(n, 3) normal of the shape, towards the second body, in space"""
-    point: Array = quantity("m", "point of the ball nearest to the shape, in space", "axis")
+    point: Array = vector(
+        "m", "point of the ball nearest to the shape, in space", plot="contact_point"
+    )
     """(n, 3) point of the ball nearest to the shape, in space [m]"""
     slip: Array = quantity(
-        "m s-1", "rates of slip of the second body, 0 where it is open", "tangent_axis", plot="slip"
+        "m s-1", "rates of slip of the second body, 0 where it is open", "tangent_axis"
     )
     """(n, 2) rates of slip of the second body, 0 where it is open [m/s], along t1 and t2"""
     state: Array = quantity(
-        "1", "0 open, 1 closed or sticks, 2 slips", integer=True, states="0 open, 1 closed, 2 slips"
+        "1",
+        "0 open, 1 closed or sticks, 2 slips",
+        integer=True,
+        states="0 open, 1 closed, 2 slips",
+        plot="contact_state",
     )
     """(n,) 0 open, 1 closed or sticks, 2 slips"""
     impulse: Array = quantity(
@@ -454,18 +412,17 @@ class ContactMotion(_Touching, group="contacts", owner="contact"):
         "integral of the normal force since t = 0",
         source="normal_impulse",
         since=8,
-        plot="impulse",
         in_peaks=True,
     )
     """(n,) integral of the normal force since t = 0 [N s], counted at every step; not in files
     before version 8"""
 
 
-class StopMotion(_Touching, group="stops", owner="stop"):
+class StopMotion(_Touching, group="stops", owner="stop", plot="{}"):
     """What happens at a stop of a joint coordinate, with the `events` of it."""
 
     gap: Array = quantity(
-        ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap", plot="gap"
+        ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap"
     )
     """(n,) distance to the nearer limit, negative beyond it [m, rad]"""
     force: Array = quantity(
@@ -481,7 +438,6 @@ class StopMotion(_Touching, group="stops", owner="stop"):
         "integral of the force or moment since t = 0",
         source="normal_impulse",
         since=8,
-        plot="impulse",
         words=("impulse", "angular impulse"),
     )
     """(n,) integral of the force or moment since t = 0 [N s, N m s], counted at every step; not in
@@ -561,57 +517,43 @@ class Energy(Recorded, group="energy"):
     convolution has created energy. `plot` has each as "energy:NAME".
     """
 
-    kinetic: Array = quantity(
-        "J", "kinetic energy of the rigid motions", name="kinetic_energy", plot=""
-    )
+    kinetic: Array = _energy("kinetic energy of the rigid motions", name="kinetic_energy")
     """(n,) kinetic energy of the rigid motions [J]"""
-    elastic: Array = quantity(
-        "J", "elastic energy of flexible bodies, vibration included", name="elastic_energy", plot=""
+    elastic: Array = _energy(
+        "elastic energy of flexible bodies, vibration included", name="elastic_energy"
     )
     """(n,) elastic energy of flexible bodies, vibration included [J]"""
-    springs: Array = quantity(
-        "J",
+    springs: Array = _energy(
         "energy stored in springs, contacts and friction",
         name="spring_energy",
-        plot="",
         words="energy of springs",
     )
     """(n,) energy stored in springs, contacts and friction [J]"""
-    potential: Array = quantity(
-        "J", "potential energy of gravity", name="potential_energy", plot=""
-    )
+    potential: Array = _energy("potential energy of gravity", name="potential_energy")
     """(n,) potential energy of gravity [J]"""
-    work: Array = quantity(
-        "J",
+    work: Array = _energy(
         "work of loads, drives and motors since t = 0",
         name="external_work",
-        plot="",
         words="work from outside",
     )
     """(n,) work of loads, drives and motors since t = 0 [J]"""
-    dissipated: Array = quantity(
-        "J",
+    dissipated: Array = _energy(
         "energy taken by dampers and modal damping since t = 0",
         name="dissipated_energy",
         derive=dissipated,
-        plot="",
     )
     """(n,) energy taken by dampers and modal damping since t = 0 [J], by contacts and friction
     too"""
-    numerical: Array = quantity(
-        "J",
+    numerical: Array = _energy(
         "energy that time stepping took from the modes since t = 0",
         name="numerical_dissipation",
         derive=numerical,
-        plot="",
     )
     """(n,) energy that time stepping took from the modes since t = 0 [J]"""
-    balance: Array = quantity(
-        "J",
+    balance: Array = _energy(
         "change of all energies since t = 0, and both dissipations, less external work",
         name="energy_balance",
         derive=balance,
-        plot="",
     )
     """(n,) change of all energies since t = 0, and both dissipations, less external work [J]"""
 
@@ -619,16 +561,12 @@ class Energy(Recorded, group="energy"):
 class Momentum(Recorded, group="momentum"):
     """Momenta of all bodies over time."""
 
-    linear: Array = quantity(
-        "kg m s-1",
-        "momentum of all bodies, in space",
-        "axis",
-        name="linear_momentum",
-        words="momentum",
+    linear: Array = vector(
+        "kg m s-1", "momentum of all bodies, in space", name="linear_momentum", words="momentum"
     )
     """(n, 3) momentum of all bodies, in space [kg m/s]"""
-    angular: Array = quantity(
-        "kg m2 s-1", "angular momentum about the origin, in space", "axis", name="angular_momentum"
+    angular: Array = vector(
+        "kg m2 s-1", "angular momentum about the origin, in space", name="angular_momentum"
     )
     """(n, 3) angular momentum about the origin, in space [kg m²/s]"""
 
@@ -653,7 +591,7 @@ class Solution(Recorded, group="solver"):
     """(n,) relative residual at the end of the step"""
 
 
-TIME = Quantity("s", "time of each recorded step", name="time", derive=time_of, plot="").within(
+TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within(
     "", "", "time", "time"
 )
 OWNED: tuple[type[Recorded], ...] = (
@@ -676,9 +614,7 @@ WHOLE: tuple[type[Recorded], ...] = (Energy, Momentum, Solution)
 QUANTITIES = (TIME, *(quantity for kind in (*OWNED, *WHOLE) for quantity in kind.quantities))
 EVENTS = Events.quantities
 """the numbers of an event, in the order of the time loop"""
-EVENT_NUMBER = Quantity("1", "number of the event", name="event", integer=True).within(
-    "", "", "event", ""
-)
+EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", "", "event", "")
 EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
     "", "", "event", "of"
 )

@@ -9,7 +9,7 @@ record gives it (motion.py); a few kinds more are computed here.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,12 +19,14 @@ from .contents import attributes_of
 from .dimensions import DIMENSIONS
 from .errors import QuantityError
 from .motion import OWNERS, QUANTITIES, BodyMotion, Energy, FrameMotion
-from .quantity import ABOUT_AXES, Quantity, lacking, readable
+from .quantity import Quantity, lacking, readable
 from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
-MOVING = "BODY|FRAME"
+UNITS_ABOUT_AXES = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
+"""units of vectors about an axis; others are along one"""
+BODY_OR_FRAME = "BODY|FRAME"
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,10 @@ class Kind:
     unit_of: Callable[..., str] | None = None
     """of the results and the names, where it may have several"""
     words: tuple[str, ...] = ()
-    """its name in a legend; a second one is that of moments, where the first is that of forces"""
-    along: str = "along"
-    """what stands between that name and the axis"""
+    """its name in a legend, if it is not this one; a second one is that of moments, where the first
+    is that of forces"""
+    along: str | None = None
+    """what stands between that name and the axis, if not "about" or "along" by its unit"""
     states: str = ""
     """what its whole numbers mean"""
     in_peaks: bool = False
@@ -52,9 +55,12 @@ class Kind:
     section: str = ""
     """of the report that draws it unasked"""
 
-    def named(self, unit: str) -> str:
-        """Its name in a legend, of the quantity that has this unit."""
-        return self.words["N m" in unit and len(self.words) > 1]
+    @property
+    def preposition(self) -> str:
+        """What stands between its name and the axis."""
+        if self.along is not None:
+            return self.along
+        return "about" if self.units[0] in UNITS_ABOUT_AXES else "along"
 
     def unit(self, results: Results, *names: str) -> str:
         return self.unit_of(results, *names) if self.unit_of else self.units[0]
@@ -131,18 +137,8 @@ def _coordinates(results: Results, joint: str) -> dict[str, Quantity]:
 
 
 def _moving(results: Results, name: str) -> BodyMotion | FrameMotion:
-    _known_in_roles(results, MOVING, name)
+    _known_in_roles(results, BODY_OR_FRAME, name)
     return results.body(name) if name in results.bodies else results.frame(name)
-
-
-def _sensor(results: Results, name: str, kind: str, variable: str) -> Array:
-    """A variable of a sensor of a kind (n, channels)."""
-    _known_in_roles(results, "SENSOR", name)
-    values = results.variable(variable, owner=name)
-    (found,) = (own for own, channels in CHANNELS.items() if len(channels) == values.shape[1])
-    if found != kind:
-        raise QuantityError(f"sensor {name!r} reads {found}, not {kind}")
-    return values
 
 
 def _role(record: Quantity) -> str:
@@ -164,20 +160,14 @@ def _record(records: Sequence[Quantity], results: Results, *owner: str) -> Quant
 
 
 def _recorded(
-    names: Iterable[str],
-    made: Callable[[Array], Array] = lambda values: values,
-    axes: tuple[str, ...] | None = None,
-    description: str = "",
-    words: tuple[str, ...] = (),
-    in_peaks: bool = False,
-    section: str = "",
+    names: Iterable[str], made: Callable[[Array], Array] = lambda values: values, **more: Any
 ) -> Kind:
     """What was recorded as these variables, of which each is of other owners.
 
-    made: of their values; axes: of what is made.
+    made: of their values; more: what is not as the records have it.
     """
     records = [one for name in names for one in QUANTITIES if one.name == name]
-    first, *_ = records
+    first = records[0]
 
     def values(results: Results, *owner: str) -> Array:
         record = _record(records, results, *owner)
@@ -188,20 +178,39 @@ def _recorded(
         entries = record.entries(axes, *owner) if owner else slice(None)
         return readable(record.units(axes, entries)[0])
 
-    units = [unit for one in records for unit in one.all_units]
     return Kind(
         values,
-        tuple(dict.fromkeys(map(readable, units))),
+        tuple(dict.fromkeys(readable(unit) for one in records for unit in one.all_units)),
         ("|".join(map(_role, records)),) if _role(first) else (),
-        description or "; ".join(dict.fromkeys(one.description for one in records)),
-        axes=first.components if axes is None else axes,
-        unit_of=unit_of,
-        words=words or max(map(_words, records), key=len),
-        along="about" if first.unit in ABOUT_AXES else "along",
-        states=first.states,
-        in_peaks=in_peaks or any(one.in_peaks for one in records),
-        section=section or first.section,
+        **{
+            "description": "; ".join(dict.fromkeys(one.description for one in records)),
+            "axes": first.components,
+            "unit_of": unit_of,
+            "words": max(map(_words, records), key=len),
+            "states": first.states,
+            "in_peaks": any(one.in_peaks for one in records),
+            "section": first.section,
+            **more,
+        },
     )
+
+
+def _of_sensor(
+    kind: str, unit: str, description: str, variable: str = "sensor_value", **more: Any
+) -> Kind:
+    """What sensors of a kind read."""
+    channels = CHANNELS[kind]
+
+    def values(results: Results, name: str) -> Array:
+        _known_in_roles(results, "SENSOR", name)
+        found = results.variable(variable, owner=name)
+        if found.shape[1] != len(channels):
+            (other,) = (own for own, axes in CHANNELS.items() if len(axes) == found.shape[1])
+            raise QuantityError(f"sensor {name!r} reads {other}, not {kind}")
+        return found if len(channels) > 1 else found[:, 0]
+
+    axes = channels if len(channels) > 1 else ()
+    return Kind(values, (unit,), ("SENSOR",), description, axes=axes, **more)
 
 
 def _words(record: Quantity) -> tuple[str, ...]:
@@ -212,11 +221,11 @@ def _words(record: Quantity) -> tuple[str, ...]:
 
 
 def _of_records() -> dict[str, Kind]:
-    """The kinds that were recorded under these names, but what has several entries."""
+    """The kinds that were recorded under these names."""
     names: dict[str, list[str]] = {}
     for one in QUANTITIES:
-        if one.plot != "" and not one.of:
-            names.setdefault(one.plot or one.name, []).append(one.name)
+        if one.plot:
+            names.setdefault(one.plot, []).append(one.name)
     return {name: _recorded(variables) for name, variables in names.items()}
 
 
@@ -226,33 +235,17 @@ KINDS = _of_records() | {
     "displacement": Kind(
         displacement,
         ("m",),
-        (MOVING, MOVING),
+        (BODY_OR_FRAME, BODY_OR_FRAME),
         "of the first, in the axes of the second, since t = 0",
-        words=("displacement",),
     ),
     "angle": Kind(
-        angle,
-        ("rad",),
-        (MOVING,),
-        "turned since t = 0 about x, y, z, beyond full turns too",
-        words=("angle",),
-        along="about",
+        angle, ("rad",), (BODY_OR_FRAME,), "turned since t = 0 about x, y, z, beyond full turns too"
     ),
     "angular_velocity": Kind(
-        angular_velocity,
-        ("rad/s",),
-        (MOVING,),
-        "angular velocity, in space",
-        words=("angular velocity",),
-        along="about",
+        angular_velocity, ("rad/s",), (BODY_OR_FRAME,), "angular velocity, in space"
     ),
     "angular_acceleration": Kind(
-        angular_acceleration,
-        ("rad/s²",),
-        (MOVING,),
-        "angular acceleration, in space",
-        words=("angular acceleration",),
-        along="about",
+        angular_acceleration, ("rad/s²",), (BODY_OR_FRAME,), "angular acceleration, in space"
     ),
     "coordinate": Kind(
         coordinate,
@@ -263,7 +256,7 @@ KINDS = _of_records() | {
         axes=(),
         unit_of=coordinate_unit,
     ),
-    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=(), words=("energy",)),
+    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=()),
     "normal_force": _recorded(
         ("contact_force", "stop_force"),
         lambda force: force if force.ndim == 1 else force[:, 0],
@@ -280,39 +273,26 @@ KINDS = _of_records() | {
         description="of the second body along t1, t2",
         words=("friction force",),
     ),
-    "strain": Kind(
-        lambda results, name: _sensor(results, name, "strain", "sensor_value")[:, 0],
-        ("1",),
-        ("SENSOR",),
-        "of a gauge",
-        axes=(),
-        words=("strain",),
-        in_peaks=True,
-        section="Sensors",
-    ),
-    "stress": Kind(
-        lambda results, name: _sensor(results, name, "stress", "sensor_value"),
-        ("Pa",),
-        ("SENSOR",),
+    "strain": _of_sensor("strain", "1", "of a gauge", in_peaks=True, section="Sensors"),
+    "stress": _of_sensor(
+        "stress",
+        "Pa",
         "`xx` to `xy` of a sensor of stresses, in body axes",
-        axes=CHANNELS["stress"],
-        words=("stress",),
         along="",
         in_peaks=True,
         section="Sensors",
     ),
-    "sensor_displacement": Kind(
-        lambda results, name: _sensor(results, name, "motion", "sensor_value"),
-        ("m",),
-        ("SENSOR",),
+    "sensor_displacement": _of_sensor(
+        "motion",
+        "m",
         "elastic displacement of its point, in body axes",
         words=("elastic displacement",),
     ),
-    "sensor_acceleration": Kind(
-        lambda results, name: _sensor(results, name, "motion", "sensor_acceleration"),
-        ("m/s²",),
-        ("SENSOR",),
+    "sensor_acceleration": _of_sensor(
+        "motion",
+        "m/s²",
         "acceleration of its point in space, in body axes",
+        variable="sensor_acceleration",
         words=("acceleration",),
         along="along body",
         in_peaks=True,
@@ -371,6 +351,12 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
     if axis:
         values = values[:, kind.axes.index(axis)]
     return Evaluated(kind_name, tuple(names), axis, unit, values, states)
+
+
+def words(kind_name: str, unit: str) -> str:
+    """The name of a kind in a legend, of a quantity that has this unit."""
+    given = KINDS[kind_name].words or (kind_name.replace("_", " "),)
+    return given["N m" in unit and len(given) > 1]
 
 
 def usage(kind_name: str) -> str:

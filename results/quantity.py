@@ -21,8 +21,6 @@ from .batches import Batch
 from .dimensions import DIMENSIONS, Axes, Axis, Dimension
 from .errors import ResultsError
 
-ABOUT_AXES = ("rad", "rad s-1", "rad s-2", "N m", "kg m2 s-1")
-"""units of vectors about an axis; others are along one"""
 POWERS = {"2": "²", "3": "³"}
 
 
@@ -40,7 +38,8 @@ class Quantity:
     along: str = ""
     """the dimension of its components, if it has several"""
     name: str = ""
-    """of the variable in the file and of the array of the time loop, by default OWNER_ATTRIBUTE"""
+    """of the variable in the file and of the array of the time loop: its attribute unless given,
+    behind OWNER_ where it has an owner"""
     of: str = ""
     """the dimension of its entries, where an owner has several or none"""
     attribute: str = ""
@@ -53,7 +52,7 @@ class Quantity:
     since: int = 0
     """the version of files that has it first, where an owner had others before"""
     plot: str | None = None
-    """its name in `plot`, which several may share; by default that of the file; "": it has none"""
+    """its name in `plot`, which several may share; "": it has none"""
     role: str = ""
     """the names that `plot` takes, where these are not those of all of its owners"""
     words: str | tuple[str, ...] = ""
@@ -67,9 +66,17 @@ class Quantity:
     group: str = ""
     dimensions: tuple[str, ...] = ()
 
-    def within(self, group: str, owner: str, rows: str, attribute: str) -> "Quantity":
-        """This quantity as an attribute of the owners of a group."""
-        name = self.name or f"{owner or rows}_{attribute}"
+    def within(
+        self, group: str, owner: str, rows: str, attribute: str, plot: str = ""
+    ) -> "Quantity":
+        """This quantity as an attribute of the owners of a group.
+
+        plot: a pattern of names in `plot`, where they are not those in the file.
+        """
+        own = self.name or attribute
+        name = "_".join(filter(None, (owner or rows.removeprefix("time"), own)))
+        plotted = not self.of and rows == "time"
+        shown = (plot.format(own) if plot else name) if self.plot is None else self.plot
         return replace(
             self,
             group=group,
@@ -77,6 +84,7 @@ class Quantity:
             attribute=self.attribute or attribute,
             name=name,
             source="" if self.derive else self.source or name,
+            plot=shown if plotted else "",
         )
 
     @property
@@ -193,6 +201,11 @@ def quantity(*arguments: Any, **more: Any) -> Any:
     return Attribute((Quantity(*arguments, **more),))
 
 
+def vector(*arguments: Any, **more: Any) -> Any:
+    """A field that is a quantity with components along x, y, z."""
+    return quantity(*arguments, along="axis", **more)
+
+
 def joined(*fields: Any) -> Any:
     """A field of several quantities, joined along the last axis."""
     return Attribute(tuple(one for field in fields for one in field.quantities))
@@ -201,8 +214,9 @@ def joined(*fields: Any) -> Any:
 class Recorded:
     """Arrays of an owner, or of the whole run, as attributes by the records of its class.
 
-    Keywords of a class that has records: its group, the dimension of its owners if it has any, and
-    that of its rows. An attribute that results do not have, as those of earlier versions, is a
+    Keywords of a class that has records: its group; the dimension of its owners, if it has any, and
+    of its rows; and a pattern of the names of its quantities in `plot`, which are those in the file
+    unless given. An attribute that results do not have, as those of earlier versions, is a
     `ResultsError` when it is asked for.
     """
 
@@ -212,11 +226,13 @@ class Recorded:
     has_events: ClassVar[bool] = False
     """whether its owners are counted in the events of the run"""
 
-    def __init_subclass__(cls, group: str = "", owner: str = "", rows: str = "time") -> None:
+    def __init_subclass__(
+        cls, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
+    ) -> None:
         cls.group, cls.owner = group, owner
         found = [(name, one) for name, one in vars(cls).items() if isinstance(one, Attribute)]
         for name, one in found:
-            one.quantities = tuple(q.within(group, owner, rows, name) for q in one.quantities)
+            one.quantities = tuple(q.within(group, owner, rows, name, plot) for q in one.quantities)
         cls.quantities = tuple(quantity for _, one in found for quantity in one.quantities)
 
     def __init__(self, arrays: Mapping[str, Any], origin: tuple[str, int] = ("", 0)) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ..results import Results
-from ..results.quantities import ENERGIES, KINDS
+from ..results.quantities import ENERGIES, KINDS, words
 from ..results.transforms import Series
 
 PLACES = {"position", "displacement", "elastic displacement"}
@@ -33,7 +33,7 @@ class Named(Protocol):
 def kind(found: Series) -> str:
     """ "angular velocity", "rate of angle", "torque"."""
     if found.kind != "coordinate":
-        return KINDS[found.kind].named(found.unit)
+        return words(found.kind, found.unit)
     name = found.names[1]
     if name.endswith("_rate"):
         return f"rate of {name.removesuffix('_rate').replace('_', ' ')}"

@@ -74,7 +74,7 @@ def curves(
             found.base,
             found.ordinate,
             found.paper,
-            KINDS[found.kind].along,
+            KINDS[found.kind].preposition,
             band=found.band,
         )
         for axis in (_moving_axes(axes, columns) if found.axes else axes)

@@ -35,7 +35,7 @@ def add(monkeypatch):
 
     def add(kind, attribute, field):
         field.quantities = tuple(
-            one.within(kind.group, kind.owner, "time", attribute) for one in field.quantities
+            one.within(kind.group, kind.owner, "time", attribute, "{}") for one in field.quantities
         )
         monkeypatch.setattr(kind, attribute, field, raising=False)
         monkeypatch.setattr(kind, "quantities", (*kind.quantities, *field.quantities))
@@ -100,8 +100,8 @@ def test_they_are_read_when_a_quantity_is_added(version, tmp_path, add):
         _ = body.heat
     with pytest.raises(ResultsError, match=f"variable 'heat_energy': .* {found}"):
         _ = results.energy.heat
-    with pytest.raises(QuantityError, match=f"^body_heat:b1: {path}: .* {found}"):
-        evaluate(results, "body_heat:b1")
+    with pytest.raises(QuantityError, match=f"^heat:b1: {path}: .* {found}"):
+        evaluate(results, "heat:b1")
     with pytest.raises(QuantityError, match="no energy 'heat'; there are: balance, diss"):
         evaluate(results, "energy:heat")
 
@@ -137,7 +137,7 @@ def test_a_new_file_has_it_everywhere(tmp_path, add):
     writer.finish()
     results = Results.read(tmp_path / "new.h5")
     np.testing.assert_array_equal(results.body("b1").heat, output.body_heat[:, 1])
-    (curve,) = curves(results, "body_heat:b1")
+    (curve,) = curves(results, "heat:b1")
     assert (curve.words[0], curve.unit) == ("heat", "K")
     np.testing.assert_array_equal(curve.values, output.body_heat[:, 1])
-    assert "body_heat:b1" in {peak.quantity for peak in peaks(results)}
+    assert "heat:b1" in {peak.quantity for peak in peaks(results)}

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from duhamel.results import motion
-from duhamel.results.batches import FURTHER
+from duhamel.results.batches import FURTHER_WORKS
 from duhamel.results.contents import table
 from duhamel.results.dimensions import DIMENSIONS
 from duhamel.results.quantity import readable
@@ -34,7 +34,7 @@ def test_every_field_of_the_output_is_recorded_once_for_each_kind_of_owner():
         if quantity.source
     ]
     assert len(set(taken)) == len(taken)
-    assert {source for source, _ in taken} | set(FURTHER) == set(Output.layout)
+    assert {source for source, _ in taken} | set(FURTHER_WORKS) == set(Output.layout)
 
 
 def test_names_dimensions_and_units():

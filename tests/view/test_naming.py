@@ -65,7 +65,7 @@ def named(quantity, unit="m", treatment=(), run=""):
     found = Series(kind, tuple(names), axis, (), unit, np.zeros(1), np.zeros(1))
     results = SimpleNamespace(bodies=("hub", "beam"))
     words = (naming.kind(found), naming.owner(results, found), axis, *treatment)
-    return Curve(words, unit, np.zeros(1), along=KINDS[kind].along, run=run)
+    return Curve(words, unit, np.zeros(1), along=KINDS[kind].preposition, run=run)
 
 
 @pytest.mark.parametrize(("quantity", "unit"), NAMES)
