@@ -31,6 +31,11 @@ ResultsFile = Annotated[
 ]
 
 
+def results_of(model_file: Path) -> Path:
+    """The results file of a model unless another is given."""
+    return model_file.parent / f"{model_file.stem}-results.h5"
+
+
 def time_or_worst(at: str | None) -> "float | Literal['worst']":
     """What --at says: a time [s], or "worst", which it is unless given."""
     if at is None or at == "worst":

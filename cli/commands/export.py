@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from .arguments import ResultsFile, time_or_worst
-from .failures import errors_in_one_line, one_line
+from ..arguments import ResultsFile, time_or_worst
+from ..failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
-    from ..results import Results
+    from ...results import Results
 
 MOST = 200
 """frames of a film unless more are asked for"""
@@ -99,9 +99,9 @@ def export(
     _require_sense(to, quantities, frames, every, magnify)
     when = _instant(to, at, bodies, start, end)
     begin = perf_counter()
-    from .. import files, results
-    from ..files.progress import Progress, Work
-    from ..results.steps import window
+    from ... import files, results
+    from ...files.progress import Progress, Work
+    from ...results.steps import window
 
     with errors_in_one_line(results, files), Progress(Work("writing")):
         read = results.Results.read(results_file)
@@ -162,8 +162,8 @@ def _write_vtk(
     every: bool,
     magnify: float | None,
 ) -> tuple[Path, ...]:
-    from ..results import write_vtk
-    from ..results.steps import evenly
+    from ...results import write_vtk
+    from ...results.steps import evenly
 
     there = rows.stop - rows.start
     steps = evenly(read.time, rows, there if every else most or MOST)

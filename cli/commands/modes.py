@@ -1,0 +1,29 @@
+"""`duhamel modes`."""
+
+from typing import Annotated
+
+import typer
+
+from ..arguments import ModelFile
+from ..failures import errors_in_one_line
+from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write
+
+ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
+
+
+def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:
+    """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
+    from rich.console import Console
+
+    from ... import solver, superelement, view
+    from ..linear_report import modes_csv, modes_picture, modes_table
+
+    with errors_in_one_line(solver, superelement, view):
+        require_no_model(output, model_file)
+        linear = solver.linearize(solver.read_model(model_file))
+        found = linear.modes(n)
+        title = linear_title(model_file, linear.spin)
+        Console().print(modes_table(title, found))
+        tell_validity(model_file, linear.validity(found))
+        if output is not None:
+            write(output, modes_csv(found), lambda: modes_picture(title, linear, found))
