@@ -20,12 +20,19 @@ LinearOutput = Annotated[
 ]
 
 
-def tell_validity(model_file: Path, validity: Any) -> None:
-    """The table of validity where bodies deform, and a line on stderr for each limit passed."""
+def tell_validity(model: Any, validity: Any) -> None:
+    """The table of validity where bodies deform, and a line on stderr for each limit passed.
+
+    Before it, as in runs, a line for each body whose moduli are given at a frequency.
+    """
+    from ..solver import given_moduli
+
+    for line in given_moduli(model):
+        typer.echo(one_line(line))
     if validity.checks:
         typer.echo(str(validity))
     for warning in validity.warnings:
-        typer.echo(one_line(f"warning: {model_file}: {warning}"), err=True)
+        typer.echo(one_line(f"warning: {model.path}: {warning}"), err=True)
 
 
 def linear_title(model_file: Path, spin: float) -> str:

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from ..files.outputs import resolved
 from ..superelement import sha256
-from .batches import FURTHER_WORKS
 from .dimensions import DIMENSIONS, FIXED, Axes, Axis
 from .motion import EVENT_NUMBER, EVENT_OF, EVENTS, OWNERS, QUANTITIES, TIME
 from .quantity import Quantity
@@ -18,29 +17,6 @@ FORMAT = "duhamel-results"
 VERSION = 8
 EARLIEST = 3
 """of which all that is there is the same"""
-
-SHARED = {
-    "stop": "contact",
-    "joint": "coupling",
-    "spring": "coupling",
-    "joint_constraint": "row",
-    "spring_component": "row",
-    "coupler": "row",
-}
-"""dimensions that couplings share in the time loop"""
-
-
-def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
-    """The arrays that the time loop fills: dimensions, and True for integers, by name."""
-    fields = {
-        quantity.source: (
-            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
-            quantity.integer,
-        )
-        for quantity in QUANTITIES
-        if quantity.source
-    }
-    return fields | dict.fromkeys(FURTHER_WORKS, (("time",), False))
 
 
 class SuperelementFile(NamedTuple):
@@ -174,9 +150,7 @@ def attributes_of(
 def table() -> str:
     """The variables as a table in Markdown, for the documentation."""
     lines = ["| variable | dimensions | unit | |", "|---|---|---|---|"]
-    for quantity in (*QUANTITIES, EVENT_NUMBER, EVENT_OF, *EVENTS):
-        lines.append(
-            f"| `{quantity.name}` | {', '.join(quantity.dimensions)} "
-            f"| {' or '.join(quantity.all_units)} | {quantity.description} |"
-        )
+    for one in (*QUANTITIES, EVENT_NUMBER, EVENT_OF, *EVENTS):
+        dimensions, units = ", ".join(one.dimensions), " or ".join(one.all_units)
+        lines.append(f"| `{one.name}` | {dimensions} | {units} | {one.description} |")
     return "\n".join(lines)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
-from .batches import EventRows, balance, dissipated, numerical, time_of
+from .batches import FURTHER_WORKS, EventRows, balance, dissipated, numerical, time_of
 from .quantity import Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
 
@@ -97,7 +97,7 @@ class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
     rotation: Array = quantity("1", "unit quaternion, frame to space", "quaternion", plot="")
     """(n, 4) unit quaternion, frame to space, the scalar first"""
     velocity: Array = joined(
-        vector("m s-1", "velocity of the origin of the frame, in space"),
+        vector("m s-1", "velocity of the origin of the frame, in space", in_vtk=True),
         vector("rad s-1", "angular velocity, in space", name="angular_velocity", plot=""),
     )
     """(n, 6) velocity of the origin of the frame, in space [m/s]; angular velocity, in space
@@ -126,12 +126,18 @@ class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
     """(n, 6) elastic displacement of the interface, in body axes [m]; elastic rotation vector of
     the interface, in body axes [rad]; 0 on rigid bodies"""
     force: Array = joined(
-        vector("N", "force of joints, springs and loads on the body, in space", plot="frame_force"),
+        vector(
+            "N",
+            "force of joints, springs and loads on the body, in space",
+            plot="frame_force",
+            in_vtk=True,
+        ),
         vector(
             "N m",
             "moment of the same about the origin of the frame, in space",
             name="moment",
             plot="frame_moment",
+            in_vtk=True,
         ),
     )
     """(n, 6) force of joints, springs and loads on the body, in space [N]; moment of the same about
@@ -187,13 +193,12 @@ class Coupling(Recorded):
 
     @property
     def coordinates(self) -> dict[str, Array]:
-        """(n,) coordinates of a joint and their rates by name.
+        """(n,) coordinates of a joint and their rates by name, attributes too, as `joint.angle`.
 
         angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the
         coordinate and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows).
-        Angles are continued over full turns. They are attributes too, as `joint.angle`.
         """
-        others = {"multipliers", "force", "moment", "_origin"}
+        others = {"multipliers", "force", "moment"}
         return {name: array for name, array in vars(self).items() if name not in others}
 
     def __getattr__(self, name: str) -> Array:
@@ -370,17 +375,11 @@ class Events(Recorded, group="events", rows="event"):
         return "\n".join("  ".join(map(str.rjust, row, widths)) for row in rows)
 
 
-class _Touching(Recorded):
-    """What both contacts and stops have."""
+class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
+    """What happens between the ball and the shape of a contact."""
 
-    has_events = True
     events: Events
     """each time that it was closed, counted at every step"""
-
-
-class ContactMotion(_Touching, group="contacts", owner="contact", plot="{}"):
-    """What happens between the ball and the shape of a contact, with the `events` of it."""
-
     gap: Array = quantity("m", "gap, negative where it is closed", source="gap", section="Contacts")
     """(n,) gap, negative where it is closed [m]"""
     force: Array = quantity(
@@ -418,9 +417,11 @@ class ContactMotion(_Touching, group="contacts", owner="contact", plot="{}"):
     before version 8"""
 
 
-class StopMotion(_Touching, group="stops", owner="stop", plot="{}"):
-    """What happens at a stop of a joint coordinate, with the `events` of it."""
+class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
+    """What happens at a stop of a joint coordinate."""
 
+    events: Events
+    """each time that it was closed, counted at every step"""
     gap: Array = quantity(
         ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap"
     )
@@ -591,30 +592,36 @@ class Solution(Recorded, group="solver"):
     """(n,) relative residual at the end of the step"""
 
 
-TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within(
-    "", "", "time", "time"
-)
-OWNED: tuple[type[Recorded], ...] = (
-    BodyMotion,
-    FrameMotion,
-    JointMotion,
-    SpringMotion,
-    CouplerMotion,
-    ContactMotion,
-    StopMotion,
-    PatternMotion,
-    SensorMotion,
-    MotorMotion,
-)
-"""what has owners, in the order in which results list them"""
-OWNERS = {kind.group: kind.owner for kind in OWNED}
-"""the dimension of the owners of a group"""
-WHOLE: tuple[type[Recorded], ...] = (Energy, Momentum, Solution)
-"""what the whole run has"""
-QUANTITIES = (TIME, *(quantity for kind in (*OWNED, *WHOLE) for quantity in kind.quantities))
+TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
+OWNERS = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
+"""the dimension of the owners of a group, in the order in which results list them"""
+OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
+QUANTITIES = (TIME, *(quantity for kind in OF_STEPS for quantity in kind.quantities))
 EVENTS = Events.quantities
 """the numbers of an event, in the order of the time loop"""
-EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", "", "event", "")
+EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
 EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
-    "", "", "event", "of"
+    "of", rows="event"
 )
+SHARED = {
+    "stop": "contact",
+    "joint": "coupling",
+    "spring": "coupling",
+    "joint_constraint": "row",
+    "spring_component": "row",
+    "coupler": "row",
+}
+"""dimensions that couplings share in the time loop"""
+
+
+def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
+    """The arrays that the time loop fills: dimensions, and True for integers, by name."""
+    fields = {
+        quantity.source: (
+            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
+            quantity.integer,
+        )
+        for quantity in QUANTITIES
+        if quantity.source
+    }
+    return fields | dict.fromkeys(FURTHER_WORKS, (("time",), False))

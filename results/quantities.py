@@ -111,12 +111,6 @@ def coordinate(results: Results, joint: str, name: str) -> Array:
     return results.joint(joint).coordinates[name]
 
 
-def coordinate_unit(results: Results, joint: str, name: str) -> str:
-    """The unit of a coordinate or of its rate."""
-    _coordinate(results, joint, name)
-    return readable(results.unit("joints", joint, name))
-
-
 def energy(results: Results, name: str) -> Array:
     """An energy over time, as "kinetic" (n,) [J]."""
     values: Array = getattr(results.energy, _known("energy", name, sorted(results.energies)))
@@ -176,7 +170,7 @@ def _recorded(
     def unit_of(results: Results, *owner: str) -> str:
         record, axes = _record(records, results, *owner), results.contents.axes
         entries = record.entries(axes, *owner) if owner else slice(None)
-        return readable(record.units(axes, entries)[0])
+        return readable("".join(record.units(axes, entries)[:1]))
 
     return Kind(
         values,
@@ -254,7 +248,7 @@ KINDS = _of_records() | {
         "`angle`, `distance_rate`, ...; `friction` on the coordinate; `friction_state`: 1 sticks, "
         "2 slips",
         axes=(),
-        unit_of=coordinate_unit,
+        unit_of=lambda results, *names: readable(results.unit("joints", *names)),
     ),
     "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=()),
     "normal_force": _recorded(

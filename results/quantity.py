@@ -61,13 +61,15 @@ class Quantity:
     """what its whole numbers mean"""
     in_peaks: bool = False
     """whether a table of peaks has it unasked"""
+    in_vtk: bool = False
+    """whether it is a field of the bodies, or frames, that ParaView shows"""
     section: str = ""
     """of the report that draws it unasked"""
     group: str = ""
     dimensions: tuple[str, ...] = ()
 
     def within(
-        self, group: str, owner: str, rows: str, attribute: str, plot: str = ""
+        self, attribute: str, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
     ) -> "Quantity":
         """This quantity as an attribute of the owners of a group.
 
@@ -123,8 +125,8 @@ class Quantity:
         """The unit of each entry, or the one unit; of all entries, or some of its dimension."""
         if isinstance(self.unit, str):
             return (self.unit,)
-        angular = axes[self.measured].angular[entries]
-        return tuple(self.unit[k] for k in (angular if isinstance(angular, tuple) else (angular,)))
+        chosen = entries if isinstance(entries, slice) else slice(entries, entries + 1)
+        return tuple(self.unit[angular] for angular in axes[self.measured].angular[chosen])
 
     @property
     def measured(self) -> str:
@@ -165,12 +167,11 @@ def _together(rows: Sequence[int]) -> Any:
 
 def readable(unit: str) -> str:
     """A unit as a person writes it: "m s-2" as "m/s²", "kg m2 s-1" as "kg m²/s"."""
-    above: list[str] = []
-    below: list[str] = []
+    above, below = list[str](), list[str]()
     for symbol, minus, power in re.findall(r"([A-Za-z]+|1)(-?)(\d*)", unit):
         factor = symbol + POWERS.get(power, "")
         (below if minus else above).append(factor)
-    return "/".join([" ".join(above) or "1", *below])
+    return "/".join([" ".join(above) or "1", *below]) if unit else ""
 
 
 class Attribute:
@@ -184,6 +185,9 @@ class Attribute:
 
     def __get__(self, instance: "Recorded | None", owner: type) -> "Attribute":
         return self if instance is None else instance.lacks(self)
+
+    def __repr__(self) -> str:
+        return f"{self.shape} {'; '.join(map(str, self.quantities))}"
 
     @property
     def shape(self) -> str:
@@ -220,11 +224,15 @@ class Recorded:
     `ResultsError` when it is asked for.
     """
 
+    # beside `vars`, which has the arrays alone
+    __slots__ = ("__dict__", "_origin")
+    _origin: tuple[str, int]
+
     group: ClassVar[str] = ""
     owner: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
-    has_events: ClassVar[bool] = False
-    """whether its owners are counted in the events of the run"""
+    kinds: ClassVar[list[type["Recorded"]]] = []
+    """all classes that have records"""
 
     def __init_subclass__(
         cls, group: str = "", owner: str = "", rows: str = "time", plot: str = ""
@@ -232,20 +240,26 @@ class Recorded:
         cls.group, cls.owner = group, owner
         found = [(name, one) for name, one in vars(cls).items() if isinstance(one, Attribute)]
         for name, one in found:
-            one.quantities = tuple(q.within(group, owner, rows, name, plot) for q in one.quantities)
+            one.quantities = tuple(q.within(name, group, owner, rows, plot) for q in one.quantities)
         cls.quantities = tuple(quantity for _, one in found for quantity in one.quantities)
+        if cls.quantities:
+            Recorded.kinds.append(cls)
 
     def __init__(self, arrays: Mapping[str, Any], origin: tuple[str, int] = ("", 0)) -> None:
         """arrays: by attribute; origin: the name of the results and their version."""
-        vars(self).update(arrays, _origin=origin)
+        vars(self).update(arrays)
+        object.__setattr__(self, "_origin", origin)
 
     def lacks(self, attribute: Attribute) -> NoReturn:
-        results, version = vars(self)["_origin"]
+        results, version = self._origin
         names = ", ".join(repr(quantity.name) for quantity in attribute.quantities)
         raise ResultsError(lacking(results, version, names, attribute.quantities[0].since))
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
         raise AttributeError(f"cannot assign to {name!r}: results are not changed")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (vars(self), self._origin)
 
     def __repr__(self) -> str:
         arrays = (f"{k} {v.shape}" for k, v in vars(self).items() if isinstance(v, np.ndarray))

@@ -271,10 +271,10 @@ class Results:
         """A contact or a stop."""
         if name in self.stops:
             return self.stop(name)
-        return self._of(ContactMotion, name)
+        return self._of(ContactMotion, name, events=self.events[name])
 
     def stop(self, name: str) -> StopMotion:
-        return self._of(StopMotion, name)
+        return self._of(StopMotion, name, events=self.events[name])
 
     def coupler(self, name: str) -> CouplerMotion:
         return self._of(CouplerMotion, name)
@@ -530,18 +530,14 @@ class Results:
         axes = self._source.contents().axes
         return axes[dimension].names if dimension in axes else ()
 
-    def _of(self, kind: type[Motion], owner: str) -> Motion:
-        """What was recorded of an owner."""
+    def _of(self, kind: type[Motion], owner: str, **more: Any) -> Motion:
+        """What was recorded of an owner, and more of it."""
         contents = self._source.contents()
         if owner not in self._names(kind.owner):
             raise _not_recorded(contents, f"{kind.group}/{owner}")
         found = attributes_of(_there(contents, kind), contents.axes, kind.group, owner)
-        arrays: dict[str, Any] = self._joined(
-            [(attribute, (quantity, entries)) for attribute, quantity, entries in found]
-        )
-        if kind.has_events:
-            arrays["events"] = self.events[owner]
-        return kind(arrays, (self.name, contents.version))
+        arrays = self._joined([(name, (quantity, entries)) for name, quantity, entries in found])
+        return kind(arrays | more, (self.name, contents.version))
 
     def _whole(self, kind: type[Motion]) -> Motion:
         """What was recorded of the whole run."""

@@ -342,6 +342,21 @@ _LIST = (
         ),
     ),
     Criterion(
+        "force_noise",
+        "joint",
+        "rounding of its force / largest force",
+        "",
+        1e-2,
+        1e-1,
+        "forces of joints are rounding of positions over the square of the step: take a larger "
+        "step, a smaller rho_inf, or an origin nearer to the model",
+        measures=(
+            "an estimate of what the rounding of positions makes of the force of a joint, over the "
+            "largest force of all joints, or the energy that moves over the size of the model if "
+            "that is more"
+        ),
+    ),
+    Criterion(
         "motor_steps",
         "motor",
         "time steps per period of the servo, at the start",

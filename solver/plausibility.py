@@ -80,6 +80,11 @@ def doubts(model: Model) -> tuple[Doubt, ...]:
     )
 
 
+def severe_doubts(model: Model) -> Iterator[str]:
+    """The text of those of which every run warns."""
+    return (doubt.text for doubt in doubts(model) if doubt.severe)
+
+
 def _of_gravity(model: Model) -> Iterator[Doubt]:
     size = float(np.linalg.norm(model.gravity))
     for unit, (least, most) in OTHER_UNITS.items():

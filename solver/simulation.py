@@ -56,9 +56,10 @@ from .output.writer import (
     resume_writer,
 )
 from .phases import Phases
+from .plausibility import severe_doubts
 from .schema.entry import LARGEST
 from .signals.signal import values_of
-from .start.initial import initialize, lower_to_start
+from .start.initial import InitialState, initialize, lower_to_start
 from .start.removed import RemovedRows
 from .step.events import is_full
 from .step.record import record
@@ -121,7 +122,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
-        _warn((*initial.warnings, *signal_warnings(initial.lowered)), stacklevel=4)
+        _warn(start_warnings(initial), stacklevel=4)
         writer = make_writer(output, initial, total)
         forget_checkpoint(writer)
     course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
@@ -133,7 +134,7 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
     check_output(output, model)
     kept = read_checkpoint(output)
     identity, step = kept.identity, kept.snapshot.step
-    with about(model.path):
+    with about(model.path), one_blas_thread():
         if not anyway:
             identity.check_model(model)
         lowered = lower(model, frozenset(kept.without), identity.horizon)
@@ -152,6 +153,13 @@ def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results
         writer = resume_writer(output, lowered, kept)
     course = Course(lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept))
     return _finish(course, progress)
+
+
+def start_warnings(initial: InitialState) -> Iterator[str]:
+    """Lines about a model at its start: how it begins, what looks wrong, what steps miss of it."""
+    yield from initial.warnings
+    yield from severe_doubts(initial.lowered.model)
+    yield from signal_warnings(initial.lowered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +254,7 @@ def march(course: Course, progress: bool = False) -> None:
         judged = time.perf_counter()
         while done < total:
             started = time.perf_counter()
-            n = keeper.steps_until_due(done, min(batch, total - done))
+            n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)

@@ -23,6 +23,7 @@ from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
 from .model.model import Model
 from .model.settings import Settings
+from .output.branches import Branches
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
 from .output.passages import check_passages
@@ -30,7 +31,7 @@ from .output.recording import Recording
 from .output.validity import Judge, check_range
 from .output.writer import check_output
 from .signals.curves import Input
-from .simulation import failure, signals
+from .simulation import failure, signals, start_warnings
 from .start.initial import initialize, lower_to_start
 from .step.loop import advance
 from .step.record import record
@@ -71,9 +72,12 @@ class Simulator:
 
     results: a results file, by default none: what `simulate` writes of the same steps. `finish`, or
     the end of the `with` block, ends it; `energy` and `validity` are there without it too. A file
-    goes on in time alone: no `restore` with it. Warns (`ValidityWarning`) of limits of the method
-    that were passed when it ends, and at once of an input that chatters: that goes up and down from
-    step to step, as that of a controller does whose gains are too large for its delay.
+    goes on in time alone: no `restore` with it.
+
+    Warns (`ValidityWarning`) at the start as `simulate` does; of limits of the method that were
+    passed at t_end, or before at `finish` or the end of the `with` block; and at once of an input
+    that chatters: that goes up and down from step to step, as that of a controller does whose gains
+    are too large for its delay.
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
     a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
@@ -108,6 +112,8 @@ class Simulator:
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
             self._recording = None if path is None else Recording(path, initial)
+        for line in start_warnings(initial):
+            warnings.warn(line, ValidityWarning, stacklevel=2)
         self._sources = [view for name in outputs for view in sources[name]]
         self._outputs = np.zeros(sum(map(len, self._sources)))
         lengths = [sum(map(len, sources[name])) for name in outputs]
@@ -143,6 +149,7 @@ class Simulator:
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
         self._begin, self._output, self._has_ended = self._number, output, False
+        self._branches, self._has_warned = Branches(lowered), False
         self._chattering: set[str] = set()
         self._told: deque[tuple[float, ...]] = deque(maxlen=AHEAD)
         record(self._run, 0)
@@ -196,10 +203,13 @@ class Simulator:
             cause = self._growing_input() or Judge(self._lowered).cause(self._state, number - 1)
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
-        if number % AHEAD == 0:
+        self._branches.check(self._work, number)
+        if last or number % AHEAD == 0:
             self._removed.check(self._work, self.time)
             self._check_inputs(AHEAD)
         self._convolution.update(self._state)
+        if last:
+            self._warn_of_limits()
         return self._gather()
 
     @property
@@ -220,23 +230,22 @@ class Simulator:
         self._recording.keep(self._number, self._output)
         results, self._recording = self._recording.finish(), None
         self._has_ended = True
-        self._check_inputs(ENOUGH_STEPS)
-        for line in results.validity.brief():
-            warnings.warn(line, ValidityWarning, stacklevel=2)
+        self._warn_of_limits()
         return results
 
     def __enter__(self) -> "Simulator":
         return self
 
     def __exit__(self, *failure: Any) -> None:
-        if self._recording is None:
-            return
-        if failure[1] is None:
+        if failure[1] is not None:
+            if self._recording is not None:
+                self._recording.keep(self._number, self._output)
+                self._recording.abandon(*failure)
+                self._recording = None
+        elif self._recording is not None:
             self.finish()
         else:
-            self._recording.keep(self._number, self._output)
-            self._recording.abandon(*failure)
-            self._recording = None
+            self._warn_of_limits()
 
     def save(self) -> Moment:
         """The present state, to go back to."""
@@ -258,8 +267,16 @@ class Simulator:
         past = {name.removeprefix(PAST): arrays[name] for name in arrays.keys() - own.keys()}
         Snapshot(number, own).put_back(self._live)
         self._convolution.load(number, past)
-        self._number = number
+        self._number, self._has_warned = number, False
         return self._gather()
+
+    def _warn_of_limits(self) -> None:
+        """Warn, once, of each limit that the steps until now have passed, and of inputs."""
+        self._check_inputs(ENOUGH_STEPS)
+        if not self._has_warned:
+            self._has_warned = True
+            for line in self.validity.brief():
+                warnings.warn(line, ValidityWarning, stacklevel=3)
 
     def _check_inputs(self, enough: int) -> None:
         """Warn, once of each, of inputs that chattered in the last steps, if there are enough."""

@@ -8,7 +8,7 @@ from duhamel.solver.couplings.impact import ForceTable, Impact
 from duhamel.solver.schema.values import Framed
 from numpy.typing import ArrayLike
 
-IMPACT = ("stiffness", "exponent", "restitution", "damping", "slow")
+IMPACT_KEYWORDS = ("stiffness", "exponent", "restitution", "damping", "slow")
 """keywords of the penetration's law"""
 
 
@@ -130,7 +130,7 @@ def _contact(
     """A contact; the keywords of its law are sorted into the records that solver classes take."""
     keys: dict[str, Any] = dict(law)
     table = keys.pop("table", None)
-    of_impact = {key: keys.pop(key) for key in IMPACT if key in keys}
+    of_impact = {key: keys.pop(key) for key in IMPACT_KEYWORDS if key in keys}
     if isinstance(keys.get("friction"), int | float):
         keys["friction"] = Coulomb(keys["friction"])
     impact = Impact(law=table, **of_impact)

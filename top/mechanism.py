@@ -19,7 +19,7 @@ from .parts import Part
 from .quantities import quantity_of
 from .runs import Run
 
-GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
 
@@ -136,7 +136,7 @@ class Mechanism:
         self.ground_frames: dict[str, solver.Frame] = {}
         self.settings = solver.Settings(t_end=1.0)
         """of the last simulation, with which `write` writes a model file"""
-        self._entries: dict[str, tuple[Any, ...]] = dict.fromkeys(GROUPS, ())
+        self._entries: dict[str, tuple[Any, ...]] = dict.fromkeys(MODEL_GROUPS, ())
         self._path = ""
 
     @classmethod
@@ -146,7 +146,7 @@ class Mechanism:
         made = cls(model.gravity)
         made.bodies, made.ground_frames = dict(model.bodies), dict(model.ground_frames)
         made.settings, made._path = model.settings, model.path
-        made._entries = {group: getattr(model, group) for group in GROUPS}
+        made._entries = {group: getattr(model, group) for group in MODEL_GROUPS}
         return made
 
     @property
@@ -222,7 +222,7 @@ class Mechanism:
             "angular_velocity": angular_velocity,
         }
         given = {key: value for key, value in start.items() if value is not None}
-        if (group := getattr(what, "group", None)) in GROUPS:
+        if (group := getattr(what, "group", None)) in MODEL_GROUPS:
             if given or rigid or second_order != "auto":
                 raise solver.ModelError(
                     f"{what.owner}: expected no start, found {', '.join(given) or 'rigid'}: bodies "

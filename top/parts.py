@@ -10,7 +10,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from duhamel import preprocess
 from duhamel.inputs import InputError, Table, quoted, read_part
-from duhamel.preprocess.body.body import Method, PointMass, Solver
+from duhamel.preprocess.body.body import Method, PointMass, SolverName
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
@@ -25,14 +25,14 @@ from .vectors import vector
 
 Where = Selection | str | ArrayLike
 """a selection, the name of a group of the mesh, or a point (3,) [m] for the node nearest to it"""
-ENTRIES: dict[str, type[Table]] = {
+TABLE_KINDS: dict[str, type[Table]] = {
     "interfaces": InterfaceSelection,
     "masses": PointMass,
     "loads": LoadPattern,
     "sensors": SensorPoint,
 }
 """what body files give by name"""
-STEPS = 100
+DEFAULT_STEPS = 100
 """steps of sampled impulse responses where no duration is given; modes hold for any duration"""
 
 
@@ -50,6 +50,9 @@ class Part:
         Its name in messages and files.
     scale : float [m]
         The unit of length of the mesh: 1e-3 for millimeters. All else is in SI units.
+    order : {1, 2}
+        2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes
+        in the middle of their edges.
 
     Examples
     --------
@@ -75,9 +78,12 @@ class Part:
         *,
         name: str = "part",
         scale: float = 1.0,
+        order: Literal[1, 2] = 1,
     ) -> None:
         self.name = name
         self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
+        if order != 1:
+            self._table["order"] = order
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:
@@ -303,7 +309,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
     ) -> preprocess.Body:
         """The part with the impulse responses that are asked for, as a body file has it.
 
@@ -312,7 +318,7 @@ class Part:
         asked: dict[str, Any] = {"step": step, "band": band, "modes": modes}
         asked |= {"tolerance": tolerance, "rho_inf": rho_inf}
         if step is not None:
-            asked["steps"] = STEPS if duration is None else _steps(duration, step)
+            asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
         if method != "auto":
             asked["method"] = method
         if solver != "auto":
@@ -339,7 +345,7 @@ class Part:
         modes: int | None = None,
         tolerance: float | None = None,
         rho_inf: float | None = None,
-        solver: Solver = "auto",
+        solver: SolverName = "auto",
         progress: bool = False,
     ) -> Superelement:
         """The superelement of the part, for `Mechanism.add`.
@@ -383,7 +389,7 @@ class Part:
             solver=solver,
         )
         told = list(preprocess.doubts_of_body(body))
-        built = preprocess.build(body, progress=progress, told=told.append)
+        built = preprocess.build(body, progress=progress, on_warning=told.append)
         for doubt in told:
             warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
         return built
@@ -401,7 +407,7 @@ class Part:
                 f"part {self.name!r}: {table}: {quoted(name)} is there already"
             )
         try:
-            entries[name] = read_part(entry, ENTRIES[table])
+            entries[name] = read_part(entry, TABLE_KINDS[table])
         except InputError as error:
             raise preprocess.BodyError(f"part {self.name!r}: {table}: {name}: {error}") from error
         self._table[table] = entries

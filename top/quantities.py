@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection
 from duhamel.results import QuantityError
 from duhamel.results.quantities import KINDS
 
-COORDINATE = "coordinate"
+COORDINATE_KIND = "coordinate"
 """the kind of quantity that the coordinates of joints are"""
 Coordinates = Callable[[str], Collection[str]]
 """the names of the coordinates of an owner, none where it is no joint"""
@@ -26,6 +26,6 @@ def quantity_of(text: str, owners: Collection[str], coordinates: Coordinates) ->
         owner = ".".join(words[:n])
         if owner in owners:
             attribute, *axis = words[n:]
-            kind = [COORDINATE, owner, attribute] if attribute in coordinates(owner) else None
+            kind = [COORDINATE_KIND, owner, attribute] if attribute in coordinates(owner) else None
             return ":".join([*(kind or [attribute, owner]), *axis])
     raise QuantityError(f"{text}: nothing is named so; there are: {', '.join(owners) or 'none'}")

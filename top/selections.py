@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .vectors import vector
 
-AXES = ("x", "y", "z")
+AXIS_NAMES = ("x", "y", "z")
 
 
 def plane(
@@ -40,10 +40,12 @@ def plane(
     >>> print(du.plane(x=0.5))
     plane (point=(0.5, 0.0, 0.0) normal=(1.0, 0.0, 0.0) tolerance=1e-06)
     """
-    given = {axis: value for axis, value in zip(AXES, (x, y, z), strict=True) if value is not None}
+    given = {
+        axis: value for axis, value in zip(AXIS_NAMES, (x, y, z), strict=True) if value is not None
+    }
     if len(given) == 1 and point is None and normal is None:
         ((axis, value),) = given.items()
-        unit = tuple(float(axis == other) for other in AXES)
+        unit = tuple(float(axis == other) for other in AXIS_NAMES)
         point, normal = tuple(value * component for component in unit), unit
     if (given and len(given) != 1) or point is None or normal is None:
         raise InputError("plane: expected one of x, y and z, or point and normal")

@@ -45,17 +45,14 @@ def campbell(
         raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")
     with errors_in_one_line(solver, superelement, view):
         require_no_model(target, model_file)
-        diagram = solver.campbell(
-            solver.read_model(model_file),
-            np.linspace(first, last, count).tolist(),
-            n,
-            progress=True,
-        )
+        model = solver.read_model(model_file)
+        spins = np.linspace(first, last, count).tolist()
+        diagram = solver.campbell(model, spins, n, progress=True)
         for table in campbell_tables(model_file.stem, diagram):
             Console().print(table)
         for line in crossing_lines(diagram, wanted):
             typer.echo(one_line(line))
-        tell_validity(model_file, diagram.validity)
+        tell_validity(model, diagram.validity)
         write(
             target,
             campbell_rows(diagram),

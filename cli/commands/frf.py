@@ -61,7 +61,7 @@ def frf(
         if static:
             response = linear.static(inputs, outputs)
             Console().print(static_table(response))
-            tell_validity(model_file, linear.validity())
+            tell_validity(model, linear.validity())
             if output is not None:
                 write(output, response_csv({"": response}), None)
             return
@@ -78,6 +78,6 @@ def frf(
             f", {kind}" if len(kinds) > 1 else "": linear.frf(inputs, outputs, frequencies, kind)  # type: ignore[arg-type]
             for kind in kinds
         }
-        tell_validity(model_file, linear.validity(None, frequencies))
+        tell_validity(model, linear.validity(None, frequencies))
         title = linear_title(model_file, linear.spin)
         write(target, response_csv(responses), lambda: response_picture(title, responses))

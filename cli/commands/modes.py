@@ -20,10 +20,11 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
 
     with errors_in_one_line(solver, superelement, view):
         require_no_model(output, model_file)
-        linear = solver.linearize(solver.read_model(model_file))
+        model = solver.read_model(model_file)
+        linear = solver.linearize(model)
         found = linear.modes(n)
         title = linear_title(model_file, linear.spin)
         Console().print(modes_table(title, found))
-        tell_validity(model_file, linear.validity(found))
+        tell_validity(model, linear.validity(found))
         if output is not None:
             write(output, modes_csv(found), lambda: modes_picture(title, linear, found))

@@ -41,9 +41,6 @@ def run(
     unbegun = unwritten(target, "before the first step")
     with errors_in_one_line(solver, superelement), unbegun:
         model = solver.read_model(model_file)
-        for doubt in solver.doubts(model):
-            if doubt.severe:
-                typer.echo(one_line(f"warning: {model_file}: {doubt.text}"), err=True)
         results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
     for line in (*solver.given_moduli(model), *report(results)):
         typer.echo(one_line(line))

@@ -1,7 +1,6 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
 import os
-import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -43,9 +42,9 @@ from .selection import InterfaceSelection, Selection
 from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
-Solver = Literal["auto", "factor", "iterative"]
-TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
-"""methods of as many modes as are asked for"""
+SolverName = Literal["auto", "factor", "iterative"]
+# Of as many modes as are asked for.
+TRUNCATED_METHODS: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
@@ -72,8 +71,7 @@ else:
         PlainSerializer(_mesh_in_words),
     ]
     """the path of a mesh file or, of a body that is made in Python, a mesh"""
-MOST = 32
-"""modes, or soft shapes, of which the inertia and stiffness of a body may depend"""
+MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
 def _as_matrix(value: Any) -> Any:
@@ -153,7 +151,7 @@ class Impulse(Table):
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
     modes: PositiveInt | None = None
-    solver: Solver = "auto"
+    solver: SolverName = "auto"
 
     @model_validator(mode="after")
     def _of_this_world(self) -> Self:
@@ -186,10 +184,10 @@ class Impulse(Table):
 
     @model_validator(mode="after")
     def _modes_of_their_methods(self) -> Self:
-        if self.method not in TRUNCATED:
+        if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
-                    f"modes: expected only with method {' or '.join(TRUNCATED)}, "
+                    f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
             return self
@@ -222,10 +220,10 @@ class NonlinearCoordinates(Table):
     not tell what loads stiffen, the lowest modes, and the softest shapes if a number is given.
     """
 
-    modes: Annotated[int, Field(ge=1, le=MOST)] = 4
+    modes: Annotated[int, Field(ge=1, le=MAX_ROTATION_SHAPES)] = 4
     soft: Annotated[
-        Literal["auto"] | Annotated[int, Field(ge=0, le=MOST)],
-        expected(f'"auto" or a number from 0 to {MOST}'),
+        Literal["auto"] | Annotated[int, Field(ge=0, le=MAX_ROTATION_SHAPES)],
+        expected(f'"auto" or a number from 0 to {MAX_ROTATION_SHAPES}'),
     ] = "auto"
     loaded: Annotated[tuple[str, ...], expected("a list of interfaces")] | None = None
     level: Annotated[Literal[1, 2], expected("1 or 2")] = 1
@@ -265,13 +263,15 @@ class Body(Table):
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units.
+    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
+    tetrahedra with nodes in the middle of their edges.
     """
 
     name: str
     mesh: AnyMesh | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
+    order: Annotated[Literal[1, 2], expected("1 or 2")] = 1
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
@@ -285,6 +285,7 @@ class Body(Table):
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
     _text: str = PrivateAttr(default="")
+    _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_make(self) -> Self:
@@ -293,7 +294,7 @@ class Body(Table):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
+            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "
@@ -435,7 +436,7 @@ class Body(Table):
         return self.model_copy(update=paths)
 
     def with_modes(self, method: Method, modes: int) -> "Body":
-        """A copy of which the superelement has a number of modes, by a method of `TRUNCATED`.
+        """A copy of which the superelement has a number of modes, by one of `TRUNCATED_METHODS`.
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """
@@ -446,12 +447,12 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
-        if self._text:
-            as_read = Body.model_validate(tomllib.loads(self._text))
-            paths = {"mesh", "matrices"}
-            if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
-                return self._text
-        return self.model_dump_json(exclude_unset=True)
+        unchanged = self._text and self._as_read == self._values()
+        return self._text if unchanged else self.model_dump_json(exclude_unset=True)
+
+    def _values(self) -> dict[str, Any]:
+        """All but the paths, which depend on the folder that the file is read from."""
+        return self.model_dump(exclude={"mesh", "matrices"})
 
 
 def body_schema() -> dict[str, Any]:
@@ -469,5 +470,5 @@ def read_body(path: str | os.PathLike[str]) -> Body:
     except InputError as error:
         raise BodyError(str(error)) from error
     body = body.relative_to(Path(path).parent)
-    body._text = text
+    body._text, body._as_read = text, body._values()
     return body

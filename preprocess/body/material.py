@@ -121,7 +121,7 @@ Ratios = Annotated[
     Annotated[Ratio, Tag("(number)")] | Annotated[Vector, Tag("(three)")], Discriminator(_tag)
 ]
 
-STRESSES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+STRESS_ORDER = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """The order of stresses and of strains, xx, yy, zz, yz, xz, xy; shear strains are engineering's,
 twice the tensor's.
 """
@@ -222,8 +222,8 @@ class Material(Table):
 
     @property
     def elasticity(self) -> Array:
-        """C (6, 6) [Pa] in mesh axes, in the order of `STRESSES`: stresses = C strains."""
-        i, j = np.array(STRESSES).T
+        """C (6, 6) [Pa] in mesh axes, in the order of `STRESS_ORDER`: stresses = C strains."""
+        i, j = np.array(STRESS_ORDER).T
         C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
         return C
 

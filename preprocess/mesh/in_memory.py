@@ -11,20 +11,20 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeshError
-from .cells import FACETS, SOLIDS
+from .cells import FACET_TYPES, SOLID_TYPES
 from .formats.draft import Draft
 from .formats.through_meshio import draft_of
 from .mesh import IntArray, Mesh
 from .reading import check_points, finished, read_mesh
 
-FORMS = (
+MESH_FORMS = (
     "a path, (points, cells), or a mesh of scikit-fem, meshio, PyVista or gmsh (the module, with a "
     "model that is meshed)"
 )
-BY_NODES = {2: "line", **{len(kind.order): name for name, kind in SOLIDS.items()}}
+BY_NODES = {2: "line", **{len(kind.order): name for name, kind in SOLID_TYPES.items()}}
 """the types of cells that are given by their nodes alone"""
 
-REFLECTIONS = {
+MIRRORED_NODES = {
     "tetra": [1, 0, 2, 3],
     "tetra10": [1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     "wedge": [0, 2, 1, 3, 5, 4],
@@ -76,7 +76,7 @@ def _draft(given: Any) -> Draft:
         import pyvista
 
         return draft_of(pyvista.to_meshio(given))
-    raise MeshError(f"expected {FORMS}, found {given!r:.80}")
+    raise MeshError(f"expected {MESH_FORMS}, found {given!r:.80}")
 
 
 def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
@@ -128,7 +128,13 @@ def _rows(kind: str, given: Any, n_points: int) -> IntArray:
         raise MeshError(
             f"cells: {kind}: expected integers (m, k), found {rows.dtype} of {rows.shape}"
         )
-    width = 2 if kind == "line" else len(SOLIDS[kind].order) if kind in SOLIDS else rows.shape[1]
+    width = (
+        2
+        if kind == "line"
+        else len(SOLID_TYPES[kind].order)
+        if kind in SOLID_TYPES
+        else rows.shape[1]
+    )
     if rows.shape[1] != width:
         raise MeshError(f"cells: {kind}: expected {width} nodes each, found {rows.shape[1]}")
     outside = rows[(rows < 0) | (rows >= n_points)]
@@ -149,14 +155,14 @@ def _of_skfem(mesh: Any) -> Draft:
         )
     whole = to_meshio(mesh, encode_cell_data=False)
     kind = TYPE_MESH_MAPPING[type(mesh)]
-    if kind in REFLECTIONS:
-        _turn(whole.cells[0].data, whole.points, REFLECTIONS[kind])
+    if kind in MIRRORED_NODES:
+        _turn(whole.cells[0].data, whole.points, MIRRORED_NODES[kind])
     draft = draft_of(whole)
     for name, members in (mesh.subdomains or {}).items():
         draft.mark(name, kind, members)
     for name, members in (mesh.boundaries or {}).items():
         facets = np.asarray(members, dtype=np.int64)
-        if kind not in SOLIDS:
+        if kind not in SOLID_TYPES:
             draft.mark_points(name, np.unique(mesh.facets[:, facets]))
             continue
         corners = np.sort(mesh.facets[:, facets], axis=0).T
@@ -176,8 +182,8 @@ def _turn(cells: IntArray, points: Array, reflection: list[int]) -> None:
 
 def _facets(kind: str, cells: IntArray, corners: IntArray) -> Iterator[tuple[str, IntArray]]:
     """The faces of cells (m, k) that have given corners, which are sorted (m, c)."""
-    for facet_kind, faces in SOLIDS[kind].facets.items():
-        n_corners = FACETS[facet_kind].corners
+    for facet_kind, faces in SOLID_TYPES[kind].facets.items():
+        n_corners = FACET_TYPES[facet_kind].corners
         for face in faces:
             nodes = cells[:, face]
             found = np.sort(nodes[:, :n_corners], axis=1)
@@ -193,5 +199,5 @@ def _facets(kind: str, cells: IntArray, corners: IntArray) -> Iterator[tuple[str
 def _supported() -> str:
     from skfem.io.meshio import TYPE_MESH_MAPPING
 
-    kinds = {"line", *SOLIDS}
+    kinds = {"line", *SOLID_TYPES}
     return ", ".join(mesh.__name__ for mesh, kind in TYPE_MESH_MAPPING.items() if kind in kinds)

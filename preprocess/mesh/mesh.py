@@ -12,7 +12,7 @@ from ...superelement.validation import Array
 from ..errors import MeshError
 
 IntArray = NDArray[np.int64]
-NONE: IntArray = np.zeros(0, dtype=np.int64)
+NO_NODES: IntArray = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,8 @@ class Mesh:
         """The numbers of the elements in a group."""
         cells = self.group(group).cells
         return np.concatenate(
-            [cells[kind] + first for kind, first in self.first.items() if kind in cells] or [NONE]
+            [cells[kind] + first for kind, first in self.first.items() if kind in cells]
+            or [NO_NODES]
         )
 
     def of_kind(self, per_element: IntArray, kind: str) -> IntArray:
@@ -135,7 +136,7 @@ class Mesh:
                 for kind, chosen in rows.items()
                 if kind in group.cells
             }
-            return Group({kind: found for kind, found in inside.items() if len(found)}, NONE)
+            return Group({kind: found for kind, found in inside.items() if len(found)}, NO_NODES)
 
         part = Mesh(
             name=self.name,

@@ -7,8 +7,9 @@ from ..body.body import Body
 from ..body.loss import relaxed, stiffenings
 from ..errors import BodyError
 from ..given.matrices import read_matrices
-from ..mesh.cells import LINES
+from ..mesh.cells import LINE_CELLS
 from ..mesh.mesh import Mesh
+from ..mesh.quadratic import quadratic
 from ..mesh.reading import files_of as mesh_files
 from ..mesh.reading import read_mesh
 from .given import GivenSource
@@ -40,7 +41,9 @@ def read_mesh_source(body: Body) -> MeshSource:
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
     mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
-    if mesh.body_types == LINES:
+    if body.order == 2:
+        mesh = quadratic(mesh)
+    if mesh.body_types == LINE_CELLS:
         return LineSource(mesh, body)
     from .solids import SolidSource
 

@@ -78,8 +78,9 @@ class LinearModel:
         superelements.
         """
         highest = float(np.max(frequencies, initial=0.0))
-        form = None if modes is None else self.first_order
-        return validity_of(form, self.equations.pose, modes, highest)
+        with one_blas_thread():
+            form = None if modes is None else self.first_order
+            return validity_of(form, self.equations.pose, modes, highest)
 
     def motion(self, y: Any) -> Motion:
         """Motions of bodies and frames in motions y (n_y, k), as `LinearModes.y`."""

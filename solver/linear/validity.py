@@ -13,7 +13,9 @@ import numpy as np
 from ...results.validity import CRITERIA, Check, Criterion, Validity
 from ..arrays import Array
 from ..model.bodies import FlexibleBody
+from ..output.subjects import Subjects
 from ..step.axial import axial_force
+from ..step.gaps import contact_arm
 from .modes import FirstOrder, LinearModes
 from .pose import Pose
 
@@ -66,6 +68,8 @@ LINEAR_CRITERIA = {
                 "hinged at both ends"
             ),
         ),
+        CRITERIA["contact_arm"],
+        CRITERIA["hertz_radius"],
         CRITERIA["kernel_error"],
         Criterion(
             "linear_band",
@@ -115,7 +119,7 @@ def validity_of(
         checks += _of_deformation(pose, e, body)
         for criterion, value in _of_body(pose, e, body, frequency):
             checks.append(Check(LINEAR_CRITERIA[criterion], name, value))
-    return LinearValidity(tuple(checks))
+    return LinearValidity((*checks, *_of_contacts(pose)))
 
 
 def _of_deformation(pose: Pose, e: int, body: FlexibleBody) -> Iterator[Check]:
@@ -151,6 +155,26 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
     elif spin > 0.0:
         top = omega[max(rotation.n_low, 1) - 1]
         yield "second_order_spin", spin / float(np.sqrt(omega[0] * top))
+
+
+def _of_contacts(pose: Pose) -> Iterator[Check]:
+    """The contacts that are closed in the equilibrium."""
+    subjects, system, work = Subjects(pose.lowered), pose.system, pose.work
+    couplings, elastic = system.couplings, system.elastic
+    closed = work.couplings.status[subjects.contacts] != 0
+    for k in subjects.carried[closed[subjects.carried]].tolist():
+        j = int(subjects.contacts[k])
+        i = int(couplings.range[j])
+        body = system.frames.body[couplings.rows.frame_a[i]]
+        arm = float(np.linalg.norm(contact_arm(couplings.rows, i, work)))
+        arm /= float(elastic.size[elastic.of_body[body]])
+        yield Check(CRITERIA["contact_arm"], pose.lowered.coupling_names[j], arm)
+    for k, patch in zip(subjects.hertzian.tolist(), subjects.patches.tolist(), strict=True):
+        j = int(subjects.contacts[k])
+        if closed[k]:
+            depth = -float(work.couplings.coordinate[couplings.range[j]])
+            size = patch * float(np.sqrt(max(depth, 0.0)))
+            yield Check(CRITERIA["hertz_radius"], pose.lowered.coupling_names[j], size)
 
 
 def _is_stiffened(body: FlexibleBody) -> bool:

@@ -68,7 +68,7 @@ class RigidBody(Entry):
 
     mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
     principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
-    frames: by name, where there is no rotation by their positions (3,) [m] alone.
+    frames: by name; in Python a position (3,) [m] stands for a frame along the body axes.
     shape: what it looks like, of which nothing else depends; by default a box of its inertia.
     """
 

@@ -13,6 +13,8 @@ from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
 from ..step.system import Workspace
 
+BETWEEN_CHECKS = 16
+"""steps between checks: a joint must not come back from the wrong branch, or fail there, unseen"""
 LEAST = 1e-6
 """q_3^2 above which a joint is on the wrong branch: below it both are the same to rounding"""
 
@@ -31,6 +33,10 @@ class Branches:
             for row in range(couplings.range[j], couplings.range[j + 1])
             if first[row + 1] > first[row]
         ]
+
+    def most_steps(self, batch: int) -> int:
+        """Steps to take before the next check, of a batch."""
+        return min(batch, BETWEEN_CHECKS * self._lowered.ratio) if self._rows else batch
 
     def check(self, work: Workspace, step: int) -> None:
         """`OutOfRangeError` for a joint that has left the branch on which it started."""

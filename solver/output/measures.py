@@ -12,6 +12,8 @@ import numpy as np
 
 from ...superelement import Superelement
 from ..arrays import Array
+from ..lower.lower import LoweredModel
+from ..step.bodies import largest_coordinate
 from ..step.history import modal_energy
 from .reading import ROUNDING, STILL, Reading
 from .subjects import Subjects
@@ -21,6 +23,9 @@ BORNE = 0.7
 """turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
+
+NOISE_FACTOR, NOISE_POWER = 35.0, -1.55
+"""of the rounding of positions, in the forces of joints: factor and power of 1 - rho_inf"""
 
 
 class Measure(NamedTuple):
@@ -128,6 +133,50 @@ def _openings(reading: Reading) -> Array:
     return of_joints
 
 
+def _force_noise(reading: Reading) -> Array:
+    """What rounding of positions makes of the force of each joint, over the largest of the model.
+
+    That is at least the energy that moves over the size of the model; where nothing moves nothing
+    is rounded. Short steps count where contacts have closed. Rounding of a position asks for the
+    force that moves the frames of a joint by as much in a step, from rest; the scheme amplifies the
+    sum of all steps (docs/theory.md, The time step).
+    """
+    lowered, subjects, extremes = reading.lowered, reading.subjects, reading.extremes
+    system, rows = lowered.system, lowered.system.couplings.rows
+    if not len(subjects.bearing) or extremes.moved[0] <= reading.rounding:
+        return np.zeros(len(subjects.bearings))
+    h = lowered.h if extremes.depth.any() else lowered.longest_step
+    of_step = system.scheme.beta / system.scheme.inertia_ratio
+    compliance = _frame_compliances(lowered, of_step * h**2)
+    rounding = NOISE_FACTOR * (1.0 - lowered.scheme.rho_inf) ** NOISE_POWER * of_step
+    rounding *= np.finfo(float).eps * largest_coordinate(system.bodies, reading.state)
+    bearing = subjects.bearing
+    noise = np.zeros(len(lowered.coupling_names))
+    of_rows = compliance[rows.frame_a[bearing]] + compliance[rows.frame_b[bearing]]
+    np.maximum.at(noise, subjects.coupling[bearing], rounding / of_rows)
+    force = extremes.force[bearing].max(initial=reading.moved / system.bodies.size)
+    return _ratio(noise[subjects.bearings], force)
+
+
+def _frame_compliances(lowered: LoweredModel, square: float) -> Array:
+    """Displacements of all frames by unit forces on them in a step (n_f,) [m/N]; 0 on the ground.
+
+    square: of the step, as far as an acceleration at its end moves a body [s^2].
+    """
+    bodies, frames, elastic = lowered.system.bodies, lowered.system.frames, lowered.system.elastic
+    inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
+    lever = (frames.X**2).sum(axis=1)
+    rigid = square * (1.0 / bodies.mass[frames.body] + lever / inertia[frames.body])
+    compliances = np.where(frames.body >= 0, rigid, 0.0)
+    for f in np.flatnonzero(frames.active >= 0).tolist():
+        e = elastic.of_body[frames.body[f]]
+        begin, end = elastic.active_range[e : e + 2]
+        first, start = frames.active[f] - begin, elastic.G_active_start[e]
+        G = elastic.G_active[start : start + (end - begin) ** 2].reshape(end - begin, -1)
+        compliances[f] += np.trace(G[first : first + 3, first : first + 3]) / 3.0
+    return compliances
+
+
 _LIST = (
     Measure(
         "elastic_rotation",
@@ -212,6 +261,7 @@ _LIST = (
     ),
     Measure("numerical_dissipation", lambda s: [""] if s.has_modes else [], _numerical),
     Measure("joint_opening", lambda s: s.of_couplings(s.joints, "joint"), _openings),
+    Measure("force_noise", lambda s: s.of_couplings(s.bearings, "joint"), _force_noise),
     Measure(
         "motor_steps",
         lambda s: [motor.name for motor in s.lowered.model.motors if motor.is_servo],

@@ -47,6 +47,9 @@ class Subjects:
         """the coupling of each row"""
         self.joints = distinct(self.coupling[couplings.compliant == 0])
         driven = couplings.laws.motor >= 0
+        self.bearing = _bearing(lowered)
+        """the constraint rows that measure lengths, whose multipliers are forces"""
+        self.bearings = distinct(self.coupling[self.bearing])
         self.springs = distinct(self.coupling[(couplings.compliant == 1) & ~driven])
         self.contacts = couplings.contact
         self.rises = _rises(lowered)
@@ -134,6 +137,13 @@ def _hinges(lowered: LoweredModel) -> Index:
     frames = distinct([couplings.rows.frame_a[hard], couplings.rows.frame_b[hard]])
     hinges: Index = frames[body[frames] >= 0]
     return hinges
+
+
+def _bearing(lowered: LoweredModel) -> Index:
+    """Not the sums of couplers, which are no forces between two frames."""
+    couplings = lowered.system.couplings
+    terms = np.diff(couplings.terms.range) > 0
+    return np.flatnonzero((couplings.compliant == 0) & lowered.measures_lengths & ~terms)
 
 
 def _stiffens(element: Superelement) -> bool:

@@ -25,7 +25,7 @@ ABSENT: Any = None
 """the default of an optional array"""
 ROUNDING = 1e-15
 """largest difference of the length of a unit vector from 1"""
-AXES = {
+AXIS_WORDS = {
     f"{sign}{axis}": tuple((-1.0 if sign else 1.0) * (k == n) for k in range(3))
     for n, axis in enumerate("xyz")
     for sign in ("", "-")
@@ -99,7 +99,7 @@ def vector(value: Any) -> Array:
 
 def axis_or_vector(value: Any) -> Array:
     """Three numbers; "x", "-z", ... are the axes and their opposites."""
-    return vector(AXES.get(value, value) if isinstance(value, str) else value)
+    return vector(AXIS_WORDS.get(value, value) if isinstance(value, str) else value)
 
 
 def direction(value: Any) -> Array:

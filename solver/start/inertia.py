@@ -7,6 +7,10 @@ from ..lower.lower import LoweredModel
 from ..step.system import System
 from .matrices import Matrix, block_diagonal, is_small
 
+NO_MOTION = 1e-14
+"""eigenvalues of an accelerance, over its largest, that are rounding: of interfaces that move as
+one"""
+
 
 def inverse_inertia(system: System) -> Matrix:
     """M^-1 of (x, Theta) of all bodies (6 n_b, 6 n_b)."""
@@ -57,7 +61,8 @@ def accelerance_root(lowered: LoweredModel) -> Matrix:
         _accelerances(lowered), lengths, lowered.superelements, strict=False
     ):
         values, vectors = np.linalg.eigh(element.mass * length[:, None] * accelerance * length)
-        roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
+        values[values < NO_MOTION * values.max(initial=0.0)] = 0.0
+        roots.append(vectors * np.sqrt(values))
     return block_diagonal(roots, is_small(lowered.system))
 
 

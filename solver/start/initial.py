@@ -28,6 +28,7 @@ from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
 from .full_turns import continue_angles, turn_joints
+from .given_velocities import lost_velocities
 from .handover import hand_over, predecessor
 from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows, row_rates
@@ -125,7 +126,7 @@ def initialize(
         check_depths(lowered, work)
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
-        closed = tuple(penetrations(lowered, state, work))
+        closed = (*penetrations(lowered, state, work), *lost_velocities(lowered, state))
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
     set_poles(lowered, state, work)

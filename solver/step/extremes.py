@@ -68,7 +68,7 @@ def _follow_state(system: System, state: State, work: Workspace) -> None:
     _follow_spins(state)
     _follow_inertia(system.elastic, state, work)
     follow_axial_forces(system.elastic, state)
-    _follow_openings(system.couplings, state, work)
+    _follow_constraints(system.couplings, state, work)
     if system.scheme.stride == system.scheme.ratio:
         _follow_vibration(system.elastic, state, work)
     _set_energies(system, state, work)
@@ -120,11 +120,13 @@ def _follow_inertia(elastic: Elastic, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _follow_openings(couplings: Couplings, state: State, work: Workspace) -> None:
+def _follow_constraints(couplings: Couplings, state: State, work: Workspace) -> None:
     openings, phi, compliant = state.extremes.opening, work.couplings.phi, couplings.compliant
+    forces, lam = state.extremes.force, state.couplings.lam
     for i in range(len(openings)):
         if not compliant[i]:
             openings[i] = max(openings[i], abs(phi[i]))
+            forces[i] = max(forces[i], abs(lam[i]))
 
 
 @compiled

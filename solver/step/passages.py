@@ -122,7 +122,7 @@ def _has_passed(
     if closed:
         deep = max(-before, -after) + 0.1 * FINEST * size
         return _reaches(rows, i, path, False, deep, length, 1.0 / PLACES_OF_CLOSED, work)
-    if before + after > length or length < FINEST * size < math.inf:
+    if before + after > STEEPEST * length or length < FINEST * size < math.inf:
         return False
     if size == math.inf and min(before, after) > bend + sag:
         return False

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...results.contents import output_fields
+from ...results.motion import output_fields
 from ..arrays import Array, Index
 from ..compiler.struct import ArrayField, Struct, array
 
@@ -675,6 +675,8 @@ class ExtremeState(Struct):
     """by elastic motion, of a moment of inertia"""
     opening: Array = array("n_i")
     """of the rows of joints and motions"""
+    force: Array = array("n_i")
+    """multipliers of these rows"""
     missed: Array = array("n_o")
     """of observed angles: by how much their rate missed them"""
     modal_rate: Array = array("n_m")

@@ -35,7 +35,7 @@ def add(monkeypatch):
 
     def add(kind, attribute, field):
         field.quantities = tuple(
-            one.within(kind.group, kind.owner, "time", attribute, "{}") for one in field.quantities
+            one.within(attribute, kind.group, kind.owner, plot="{}") for one in field.quantities
         )
         monkeypatch.setattr(kind, attribute, field, raising=False)
         monkeypatch.setattr(kind, "quantities", (*kind.quantities, *field.quantities))

@@ -1,5 +1,7 @@
 """Quantities of a results file, against closed forms."""
 
+import copy
+import pickle
 import subprocess
 import sys
 
@@ -129,6 +131,13 @@ def test_the_parts_of_what_a_frame_has(results):
     np.testing.assert_array_equal(tip.elastic_rotation, 10 * TRAVEL)
     np.testing.assert_array_equal(tip.velocity, np.hstack([TRAVEL + 7.0, TRAVEL + 8.0]))
     np.testing.assert_array_equal(np.hstack([tip.applied_force, tip.applied_moment]), tip.force)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_what_was_read_can_be_copied(results, copied):
+    clamp, again = results.joint("clamp"), copied(results.joint("clamp"))
+    assert vars(again).keys() == vars(clamp).keys()
+    np.testing.assert_array_equal(again.angle, clamp.angle)
 
 
 def test_results_are_not_changed_and_say_what_they_have(results):

@@ -31,7 +31,7 @@ from duhamel.solver.start import redundancy
 from duhamel.solver.start.initial import initialize
 from scipy.spatial.transform import Rotation
 
-from .frameworks import bar
+from .frameworks import bar, framework
 from .linkages import Z, four_bar, slider_crank, spatial_four_bar
 
 X, Y = np.eye(3)[:2]
@@ -323,6 +323,27 @@ def test_masses_do_not_make_constraints_redundant():
         for mass, (name, body) in zip((1e7, 1e-8, 1e7), model.bodies.items(), strict=True)
     }
     assert freedoms(replace(model, bodies=bodies)) == 3
+
+
+def test_an_interface_that_moves_as_another_is_held_once(tmp_path):
+    """Two at one node: what holds the second is redundant, all six rows, and changes nothing."""
+    places = {"root": (0, 0, 0), "same": (0, 0, 0), "tip": (0.5, 0, 0)}
+    element = framework(tmp_path, [(places["root"], places["tip"])], places)
+    clamps = [Fixed("ground", f"bar.{frame}", name=frame) for frame in ("root", "same")]
+
+    def swing(joints, **settings):
+        return Model(
+            {"bar": FlexibleBody(element, Start([0.25, 0, 0]))},
+            joints,
+            loads=[Force("bar.tip", [0, 0.1, 0], Constant(1.0))],
+            settings=Settings(t_end=5e-4, step=1e-5, **settings),
+        )
+
+    with pytest.raises(ModelError, match="12 constraints of which 6 are redundant"):
+        initialize(swing(clamps))
+    once, twice = simulate(swing(clamps[:1])), simulate(swing(clamps, redundant="remove"))
+    tips = [results.frame("bar.tip").u for results in (once, twice)]
+    np.testing.assert_allclose(tips[1], tips[0], rtol=0, atol=1e-9 * np.abs(tips[0]).max())
 
 
 @pytest.fixture

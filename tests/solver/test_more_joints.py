@@ -9,6 +9,7 @@ from duhamel.solver import (
     Cylindrical,
     Frame,
     Harmonic,
+    Impulse,
     Input,
     Model,
     ModelError,
@@ -22,6 +23,7 @@ from duhamel.solver import (
     Rod,
     Screw,
     Settings,
+    Simulator,
     SmoothFunction,
     Spherical,
     Spring,
@@ -222,6 +224,27 @@ def test_a_constant_velocity_joint_that_takes_the_wrong_branch_stops_the_run(tor
         q = simulate(model).body("b").R[-1]
         assert bend + end > np.pi
         np.testing.assert_allclose(np.abs(q), np.abs([np.cos(0.7), 0, 0, np.sin(0.7)]), atol=1e-9)
+
+
+def stepped(model):
+    with Simulator(model, []) as simulator:
+        while simulator.time < model.settings.t_end - 1e-9:
+            simulator.step([])
+
+
+@pytest.mark.parametrize("steps", [simulate, stepped])
+def test_a_joint_on_the_wrong_branch_stops_the_run_before_it_fails_there(steps):
+    """Newton's method does so at 1.165 s."""
+    shaft = [np.cos(2.5), np.sin(2.5), 0]
+    body = RigidBody(1.0, [0.3, 0.2, 0.4], start=Start(angular_velocity=[0, 0, 1.0]))
+    loads = [
+        Torque("b", [1, 0, 0], Steps((0.0, 0.6), (0.0, 500.0))),
+        Torque("b", [0, 0, 1], Impulse(-1.0, 0.7)),
+    ]
+    joint = ConstantVelocity("ground", "b", [1, 0, 0], shaft, name="bent")
+    model = Model({"b": body}, [joint], loads, settings=Settings(t_end=1.2, step=1e-3, rho_inf=0.5))
+    with pytest.raises(OutOfRangeError, match="joint 'bent': its shafts have passed 180 degre"):
+        steps(model)
 
 
 def differences(f, t, h=1e-3):

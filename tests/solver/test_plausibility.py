@@ -28,6 +28,7 @@ from duhamel.solver import (
     RigidBody,
     Settings,
     ShapedNoise,
+    Simulator,
     Spline,
     Spring,
     Start,
@@ -35,8 +36,10 @@ from duhamel.solver import (
     Stop,
     Sum,
     Table,
+    ValidityWarning,
     check,
     doubts,
+    simulate,
 )
 from duhamel.solver.couplings.impact import Impact
 
@@ -297,6 +300,12 @@ def test_a_body_with_one_interface_at_its_center_raises_none(random_element):
 def test_check_tells_the_doubts_among_its_warnings():
     asked = model(gravity=[0, 0, -9810])
     assert doubts(asked)[0].text in check(asked).warnings
+
+
+@pytest.mark.parametrize("run", [simulate, lambda model: Simulator(model, [])])
+def test_every_run_warns_of_what_makes_its_numbers_meaningless(run):
+    with pytest.warns(ValidityWarning, match=r"^simulation.gravity is 9810 m/s\^2"):
+        run(model(gravity=[0, 0, -9810]))
 
 
 @pytest.mark.parametrize(("radius", "start"), [(0.0106, ""), (0.0101, "contacts.bore.hertz: ")])

@@ -319,6 +319,7 @@ def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_
         warnings.simplefilter("always")
         rate = damped_wheel(damping, 600, limit=30.0)
     told = [str(each.message) for each in caught if each.category is ValidityWarning]
+    told = [line for line in told if line.startswith("input ")]
     assert len(told) == (0 if is_stable else 1)
     assert is_stable or told[0].startswith("input 'torque' chatters: until t = 0.512 s")
     assert (abs(rate) < 1e-3) == is_stable
@@ -333,3 +334,36 @@ def test_an_input_that_chatters_to_the_end_of_a_short_run_is_told(tmp_path):
 def test_a_step_that_fails_for_a_controller_names_its_input(damping):
     with pytest.raises(ConvergenceError, match="likely cause: input 'torque' goes up and down"):
         damped_wheel(damping, 600)
+
+
+def stiff():
+    """A mass on a spring, four steps in a period."""
+    mass = RigidBody(1.0, [0.1] * 3, start=Start(velocity=[1.0, 0, 0]))
+    stiffness = [(0.5 * np.pi / H) ** 2, 0.0, 0.0, 0.0, 0.0, 0.0]
+    return Model(
+        {"mass": mass},
+        springs=[Spring("spring", "bushing", ("ground.wall", "mass"), stiffness=stiffness)],
+        ground_frames={"wall": Frame()},
+        settings=Settings(t_end=60 * H, step=H),
+    )
+
+
+def test_a_simulator_warns_at_t_end_of_limits_that_were_passed():
+    simulator = Simulator(stiff(), [])
+    for _ in range(59):
+        simulator.step([])
+    with pytest.warns(ValidityWarning, match="time steps per period") as told:
+        simulator.step([])
+    assert [str(each.message) for each in told] == list(simulator.validity.brief())
+
+
+def test_a_simulator_warns_at_the_end_of_its_block_once():
+    def run(simulator):
+        with simulator:
+            for _ in range(50):
+                simulator.step([])
+
+    simulator = Simulator(stiff(), [])
+    with pytest.warns(ValidityWarning, match="time steps per period") as told:
+        run(simulator)
+    assert [str(each.message) for each in told] == list(simulator.validity.brief())

@@ -18,8 +18,6 @@ from .thinning import kept
 
 MOST_CURVES = 6
 """of a plot, the largest ones"""
-CONTACTS = "Contacts"
-"""the section that has the events too"""
 DIGITS = 7
 """of numbers on the page"""
 
@@ -46,7 +44,7 @@ def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
     for section in dict.fromkeys(kind.section for kind in KINDS.values() if kind.section):
         found = [name for name, kind in KINDS.items() if kind.section == section]
         drawn = [plot for name in found for plot in _of_kind(results, name)]
-        yield section, [*drawn, *(_peaks_of_contacts(results) if section == CONTACTS else ())]
+        yield section, [*drawn, *(_peaks_of_contacts(results) if section == "Contacts" else ())]
     yield "Solver", [*_solver(results)]
 
 
