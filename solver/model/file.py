@@ -141,13 +141,12 @@ def _model_file() -> Any:
 
 
 @cache
-def _model_file_of(*kinds: type[Entry]) -> Any:
-    return create_model(
-        "_ModelFile",
-        __base__=_ModelFile,
-        joints=(tuple[table_of_kinds(JOINTS), ...], ()),  # type: ignore[misc]
-        loads=(tuple[table_of_kinds(LOADS), ...], ()),
-    )
+def _model_file_of(*known: type[Entry]) -> Any:
+    kinds: dict[str, Any] = {
+        "joints": (tuple[table_of_kinds(JOINTS), ...], ()),  # type: ignore[misc]
+        "loads": (tuple[table_of_kinds(LOADS), ...], ()),  # type: ignore[misc]
+    }
+    return create_model("ModelFile", __base__=_ModelFile, **kinds)
 
 
 FAMILIES = SIGNALS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVALS, BODY_SHAPES
