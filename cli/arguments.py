@@ -29,6 +29,7 @@ ResultsFile = Annotated[
         autocompletion=files(*HDF5, ".nc"),
     ),
 ]
+Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 
 
 def results_of(model_file: Path) -> Path:

@@ -18,6 +18,7 @@ LinearOutput = Annotated[
         show_default=False,
     ),
 ]
+ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
 
 
 def tell_validity(model: Any, validity: Any) -> None:

@@ -6,9 +6,8 @@ import typer
 
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line, one_line
-from ..linear import LinearOutput, require_no_model, tell_validity, write
+from ..linear import LinearOutput, ModeCount, require_no_model, tell_validity, write
 
-ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
 Spins = Annotated[
     tuple[float, float, int],
     typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds in rad/s."),

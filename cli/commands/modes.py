@@ -1,14 +1,8 @@
 """`duhamel modes`."""
 
-from typing import Annotated
-
-import typer
-
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line
-from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write
-
-ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
+from ..linear import LinearOutput, ModeCount, linear_title, require_no_model, tell_validity, write
 
 
 def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ResultsFile
+from ..arguments import Gravities, ResultsFile
 from ..failures import errors_in_one_line, one_line
 
 Quantities = Annotated[
@@ -13,7 +13,6 @@ Quantities = Annotated[
         metavar="QUANTITY", help="As acceleration:hub:z, or 'acceleration:*'.", show_default=False
     ),
 ]
-Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 
 
 def peaks(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ..arguments import time_or_worst
+from ..arguments import Gravities, time_or_worst
 from ..completion import files as completed
 from ..failures import errors_in_one_line, one_line
 
@@ -42,7 +42,6 @@ Title = Annotated[
     str | None,
     typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
-Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Start = Annotated[
     float | None,
     typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),

@@ -12,7 +12,7 @@ from .export import Asked, export_format
     "tables, of all that was recorded or of the quantities that are named",
     takes=("window", "quantities"),
 )
-def write(asked: Asked) -> Sequence[Path]:
+def csv(asked: Asked) -> Sequence[Path]:
     from ...results import write_csv
 
     return write_csv(asked.results, asked.folder, asked.quantities, asked.rows)

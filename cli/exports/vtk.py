@@ -17,7 +17,7 @@ MOST = 200
     "bodies as they move and deform, frames and contacts with their forces, for ParaView (VTKHDF)",
     takes=("window", "film"),
 )
-def write(asked: Asked) -> Sequence[Path]:
+def vtk(asked: Asked) -> Sequence[Path]:
     from ...results import write_vtk
     from ...results.steps import evenly
 
