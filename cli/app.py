@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import commands
+from .commands import all_commands
 from .failures import Commands
 
 app = typer.Typer(
@@ -35,5 +35,5 @@ def duhamel(version: Version = False) -> None:
     """Impulse superelements from meshes, and multibody dynamics on them."""
 
 
-for command in commands():
+for command in all_commands():
     app.command()(command)

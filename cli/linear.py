@@ -48,7 +48,7 @@ def require_no_model(target: Path | None, model_file: Path) -> None:
         raise view.PictureError(f"{found}, which the output would replace")
 
 
-def write(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
+def write_output(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
     from .. import files, view
     from ..files.outputs import in_words

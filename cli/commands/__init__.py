@@ -9,7 +9,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
 
-FIRST = (
+HELP_ORDER = (
     "preprocess",
     "run",
     "sweep",
@@ -27,11 +27,11 @@ FIRST = (
     "init",
     "schema",
 )
-"""in the order of the help, which has all others after these"""
+"""which has all others after these"""
 
 
-def commands() -> Iterator[Callable[..., Any]]:
+def all_commands() -> Iterator[Callable[..., Any]]:
     """The functions of all commands."""
     names = sorted(module.name for module in iter_modules(__path__))
-    for name in (*FIRST, *(name for name in names if name not in FIRST)):
+    for name in (*HELP_ORDER, *(name for name in names if name not in HELP_ORDER)):
         yield getattr(import_module(f"{__name__}.{name}"), name)

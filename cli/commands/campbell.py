@@ -6,7 +6,7 @@ import typer
 
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line, one_line
-from ..linear import LinearOutput, ModeCount, require_no_model, tell_validity, write
+from ..linear import LinearOutput, ModeCount, require_no_model, tell_validity, write_output
 
 Spins = Annotated[
     tuple[float, float, int],
@@ -52,7 +52,7 @@ def campbell(
         for line in crossing_lines(diagram, wanted):
             typer.echo(one_line(line))
         tell_validity(model, diagram.validity)
-        write(
+        write_output(
             target,
             campbell_rows(diagram),
             lambda: campbell_picture(model_file.stem, diagram, wanted),

@@ -12,7 +12,7 @@ from ..arguments import ResultsFile, time_or_worst
 from ..exports import EXPORTS, OPTIONS, Asked, described, takers
 from ..failures import errors_in_one_line, one_line
 
-WIDTH = 93
+HELP_WIDTH = 93
 """characters of a line of help"""
 
 Folder = Annotated[
@@ -121,7 +121,8 @@ def export(
     typer.echo(one_line(f"{len(written)} files, {perf_counter() - begin:.1f} s"))
 
 
-export.__doc__ = f"{export.__doc__}\n\n{fill(described(), WIDTH)}"
+# Typer reads the help of a command from its docstring.
+export.__doc__ = f"{export.__doc__}\n\n{fill(described(), HELP_WIDTH)}"
 
 
 def _require_sense(to: str, given: dict[str, bool]) -> None:

@@ -6,7 +6,7 @@ import typer
 
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line
-from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write
+from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write_output
 
 WELL_WITHIN = 0.75
 """of the band of a superelement: there a response needs no remark"""
@@ -63,7 +63,7 @@ def frf(
             Console().print(static_table(response))
             tell_validity(model, linear.validity())
             if output is not None:
-                write(output, response_csv({"": response}), None)
+                write_output(output, response_csv({"": response}), None)
             return
         if band is not None and not 0.0 < band[0] < band[1] < float("inf"):
             raise typer.BadParameter(f"--band: expected 0 < FROM < TO, found {band[0]} {band[1]}")
@@ -80,4 +80,4 @@ def frf(
         }
         tell_validity(model, linear.validity(None, frequencies))
         title = linear_title(model_file, linear.spin)
-        write(target, response_csv(responses), lambda: response_picture(title, responses))
+        write_output(target, response_csv(responses), lambda: response_picture(title, responses))

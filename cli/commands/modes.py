@@ -2,7 +2,14 @@
 
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line
-from ..linear import LinearOutput, ModeCount, linear_title, require_no_model, tell_validity, write
+from ..linear import (
+    LinearOutput,
+    ModeCount,
+    linear_title,
+    require_no_model,
+    tell_validity,
+    write_output,
+)
 
 
 def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:
@@ -21,4 +28,4 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
         Console().print(modes_table(title, found))
         tell_validity(model, linear.validity(found))
         if output is not None:
-            write(output, modes_csv(found), lambda: modes_picture(title, linear, found))
+            write_output(output, modes_csv(found), lambda: modes_picture(title, linear, found))

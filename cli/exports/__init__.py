@@ -11,11 +11,11 @@ from .export import EXPORTS, OPTIONS, Asked
 
 __all__ = ["EXPORTS", "OPTIONS", "Asked", "described", "takers"]
 
-FIRST = ("vtk", "csv", "mat", "loads")
+FORMAT_ORDER = ("vtk", "csv", "mat", "loads")
 """files in the order of the help, which has all others after these"""
 
 _names = sorted(module.name for module in iter_modules(__path__))
-for _module in (*FIRST, *(name for name in _names if name not in FIRST)):
+for _module in (*FORMAT_ORDER, *(name for name in _names if name not in FORMAT_ORDER)):
     import_module(f"{__name__}.{_module}")
 
 

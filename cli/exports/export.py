@@ -42,7 +42,7 @@ Write = Callable[[Asked], Sequence[Path]]
 
 
 @dataclass(frozen=True)
-class Export:
+class ExportFormat:
     """A format of `duhamel export --to NAME`.
 
     suffix: of its files; what: they are, for the help; takes: keys of `OPTIONS`; write: writes the
@@ -56,17 +56,17 @@ class Export:
     write: Write
 
 
-EXPORTS: dict[str, Export] = {}
+EXPORTS: dict[str, ExportFormat] = {}
 """all formats by name"""
 
 
 def export_format(
     name: str, suffix: str, what: str, takes: tuple[str, ...] = ()
 ) -> Callable[[Write], Write]:
-    """Make a function that writes files known to `duhamel export`, see `Export`."""
+    """Make a function that writes files known to `duhamel export`, see `ExportFormat`."""
 
     def register(write: Write) -> Write:
-        EXPORTS[name] = Export(name, suffix, what, takes, write)
+        EXPORTS[name] = ExportFormat(name, suffix, what, takes, write)
         return write
 
     return register

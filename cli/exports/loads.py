@@ -5,13 +5,13 @@ from pathlib import Path
 
 from .export import Asked, export_format
 
-DECKS = (
+_DECKS = (
     "forces and moments on flexible bodies at an instant with the inertia that balances them, as "
     "decks for static analyses"
 )
 
 
-@export_format("abaqus", ".inp", DECKS, takes=("instant",))
+@export_format("abaqus", ".inp", _DECKS, takes=("instant",))
 def abaqus(asked: Asked) -> Sequence[Path]:
     from ...results import write_loads
 
@@ -19,7 +19,7 @@ def abaqus(asked: Asked) -> Sequence[Path]:
     return write_loads(asked.results, asked.folder, asked.stem, "abaqus", asked.bodies, at)
 
 
-@export_format("nastran", ".bdf", DECKS, takes=("instant",))
+@export_format("nastran", ".bdf", _DECKS, takes=("instant",))
 def nastran(asked: Asked) -> Sequence[Path]:
     from ...results import write_loads
 

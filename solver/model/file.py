@@ -140,6 +140,7 @@ def _model_file() -> Any:
     return _model_file_of(*JOINTS.values(), *LOADS.values())
 
 
+# Made when files are read: programs may have added kinds since this module was imported.
 @cache
 def _model_file_of(*known: type[Entry]) -> Any:
     kinds: dict[str, Any] = {

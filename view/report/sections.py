@@ -1,6 +1,6 @@
 """The sections of a report below its plots, an open set: a heading each, and what makes the rest.
 
-SECTIONS.insert(2, Section("Wear", lambda results: table(("joint", "depth"), ...)))
+SECTIONS.insert(2, ReportSection("Wear", lambda results: table(("joint", "depth"), ...)))
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from .tables import (
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """A section of a report; `content` gives None for results that it has nothing to say of."""
 
     heading: str
@@ -39,13 +39,13 @@ def _balances(results: Results) -> Markup:
 
 
 SECTIONS = [
-    Section("Validity", validity_table),
-    Section("Peaks", peaks_table),
-    Section("Contact events", events_table),
-    Section("Balances", _balances),
-    Section("Bodies", bodies_table),
-    Section("Run", solver_table),
-    Section("Provenance", provenance),
-    Section("Model", model_text),
+    ReportSection("Validity", validity_table),
+    ReportSection("Peaks", peaks_table),
+    ReportSection("Contact events", events_table),
+    ReportSection("Balances", _balances),
+    ReportSection("Bodies", bodies_table),
+    ReportSection("Run", solver_table),
+    ReportSection("Provenance", provenance),
+    ReportSection("Model", model_text),
 ]
 """in their order on the page"""
