@@ -1,14 +1,33 @@
 """The application: all commands, each a file of the folder `commands`."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.main import get_command
 
-from .commands import all_commands
+from .commands import command_names, command_of
 from .failures import Commands
 
+
+class _LazyCommands(Commands):
+    """The commands, of which a call imports that which it needs: so `duhamel run` starts fast."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return command_names()
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        names = command_names()
+        # For a name that there is not, Typer looks for the one that was meant among all.
+        for each in [name] if name in names else names:
+            if each not in self.commands:
+                alone = typer.Typer(add_completion=False)
+                alone.command(each)(command_of(each))
+                self.commands[each] = get_command(alone)
+        return super().get_command(ctx, name)
+
+
 app = typer.Typer(
-    cls=Commands,
+    cls=_LazyCommands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
@@ -33,7 +52,3 @@ Version = Annotated[
 @app.callback()
 def duhamel(version: Version = False) -> None:
     """Impulse superelements from meshes, and multibody dynamics on them."""
-
-
-for command in all_commands():
-    app.command()(command)

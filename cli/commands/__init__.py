@@ -4,34 +4,25 @@ Its docstring and its arguments are the help; those that several commands have a
 Commands are imported to show the help of all, so they import what they need when they are called.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib import import_module
-from pkgutil import iter_modules
+from pathlib import Path
 from typing import Any
 
 HELP_ORDER = (
-    "preprocess",
-    "run",
-    "sweep",
-    "peaks",
-    "explain",
-    "info",
-    "check",
-    "plot",
-    "report",
-    "animate",
-    "export",
-    "modes",
-    "frf",
-    "campbell",
-    "init",
-    "schema",
+    *("preprocess", "run", "sweep", "peaks", "explain", "info", "check"),
+    *("plot", "report", "animate", "export", "modes", "frf", "campbell", "init", "schema"),
 )
 """which has all others after these"""
 
 
-def all_commands() -> Iterator[Callable[..., Any]]:
-    """The functions of all commands."""
-    names = sorted(module.name for module in iter_modules(__path__))
-    for name in (*HELP_ORDER, *(name for name in names if name not in HELP_ORDER)):
-        yield getattr(import_module(f"{__name__}.{name}"), name)
+def command_names() -> list[str]:
+    """The names of all commands."""
+    names = {path.stem for path in Path(__file__).parent.glob("[!_]*.py")}
+    return [*HELP_ORDER, *sorted(names.difference(HELP_ORDER))]
+
+
+def command_of(name: str) -> Callable[..., Any]:
+    """The function of a command."""
+    function: Callable[..., Any] = getattr(import_module(f"{__name__}.{name}"), name)
+    return function

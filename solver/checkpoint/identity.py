@@ -19,14 +19,14 @@ from ..compiler.object_file import compiler, processor
 from ..compiler.object_file import key as code_key
 from ..errors import StateError
 from ..history.layout import Horizon
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
 from ..model.model import Model
 from ..schema.entry import Beside, Entry, note
 from ..schema.tables import declared, key_of
 from ..signals.recorded import Recorded, RecordedSpline
-from ..step.system import Laws
+from ..step.records.laws import Laws
 from .layout import Layout, layout_of
 
 FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
@@ -244,7 +244,7 @@ def _without_addresses(laws: Laws) -> Array:
     """The parameters of force laws, with 0 for what is another number in every process."""
     parameters = laws.parameters.copy()
     for first, number in zip(laws.first.tolist(), laws.number.tolist(), strict=False):
-        parameters[first : first + LAWS[number].addresses] = 0.0
+        parameters[first : first + LAW_KINDS[number].addresses] = 0.0
     return parameters
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Index, as_index
 from ..compiler.struct import Struct
 from ..lower.lower import LoweredModel
-from ..step.system import Elastic
+from ..step.records.elastic import Elastic
 
 Ranges = Mapping[str, Sequence[int]]
 """the first number of each name, and the one after its last"""

@@ -28,7 +28,7 @@ from ..schema.values import (
     Positive,
     ZeroOrPositive,
 )
-from ..step.gaps import FirstSlip, Gap, SecondSlip
+from ..step.gaps import FirstSlip, Gap, SecondSlip, gap_parameters
 from ..step.shapes import Cylinder, Plane, Profile, Sphere
 from .coupling import GROUND, Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
@@ -235,15 +235,13 @@ class Contact(Entry, Coupling):
         return basis[:, 2], basis[:, 0]
 
     def _parameters(self) -> list[float]:
-        """Ball, side and what the shape asks for."""
-        side = -1.0 if self.hollow else 1.0
         length = math.inf if self.length is None else self.length
-        own: list[float] = []
+        shape: list[float] = []
         if self.points is not None:
-            own = _pieces(self.points)
+            shape = _pieces(self.points)
         elif self.radius is not None:
-            own = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
-        return [self.ball, side, *own]
+            shape = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
+        return gap_parameters(self.ball, self.hollow, shape)
 
     @property
     def _size(self) -> float:

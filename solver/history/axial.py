@@ -43,7 +43,7 @@ import numpy as np
 from ...superelement import Interface, Superelement
 from ..arrays import Array, as_index
 from ..model.bodies import FlexibleBody
-from ..step.system import AxialForces
+from ..step.records.elastic import AxialForces
 from .packing import packed
 
 TURN_OF_END = 13.0 / 35.0

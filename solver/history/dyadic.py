@@ -18,7 +18,8 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from ..step.system import Elastic, State
+from ..step.records.elastic import Elastic
+from ..step.system import State
 
 Complex: TypeAlias = NDArray[np.complex128]
 

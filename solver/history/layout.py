@@ -12,7 +12,8 @@ from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
-from ..step.system import Elastic, Frames, Kernels, Modes
+from ..step.records.elastic import Elastic, Kernels, Modes
+from ..step.records.frames import Frames
 from .axial import lay_out_axial
 from .chains import elements_of, hardening_of, lay_out_chains
 from .cost import cheapest_history

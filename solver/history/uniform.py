@@ -16,7 +16,8 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..step.system import Elastic, State
+from ..step.records.elastic import Elastic
+from ..step.system import State
 from . import dyadic
 
 Complex: TypeAlias = NDArray[np.complex128]

@@ -65,17 +65,17 @@ class ForceLaw(Entry):
         """Bring the memory to the end of a step, compiled as `evaluate` is."""
 
 
-LAWS: list[type[ForceLaw]] = []
+LAW_KINDS: list[type[ForceLaw]] = []
 """all laws by number"""
 AnyLawType = TypeVar("AnyLawType", bound=type[ForceLaw])
 
 
 def law_number(law: AnyLawType) -> AnyLawType:
     """Register the compiled functions of a law."""
-    law.number = len(LAWS)
+    law.number = len(LAW_KINDS)
     compiled(law.evaluate)
     compiled(law.remember)
-    LAWS.append(law)
+    LAW_KINDS.append(law)
     return law
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..arrays import Array, Index
 from ..errors import ModelError
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from .blocks import diagonal_blocks
 from .flexibility import (
@@ -281,7 +281,7 @@ def _relaxation(pose: Pose, tangent: Tangent) -> Relaxation:
     kappa: list[float] = []
     tau: list[float] = []
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        if LAWS[laws.number[m]] is not MaxwellLaw:
+        if LAW_KINDS[laws.number[m]] is not MaxwellLaw:
             continue
         parameters = laws.parameters[laws.first[m] : laws.first[m + 1]].tolist()
         n = len(parameters) // 2

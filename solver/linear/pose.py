@@ -10,7 +10,7 @@ from ..couplings.joint import Joint
 from ..couplings.motors import Motor
 from ..errors import ModelError
 from ..laws.contact import ContactLaw
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
@@ -154,7 +154,7 @@ def _check_slopes(initial: InitialState, m: int, i: int) -> None:
     """`ModelError` for a law whose slope jumps at rest, where no tangent is right."""
     lowered, work = initial.lowered, initial.work
     laws = lowered.system.couplings.laws
-    law = LAWS[laws.number[m]]
+    law = LAW_KINDS[laws.number[m]]
     parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
     memory = initial.state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
     c = float(work.couplings.coordinate[i] - laws.rest[i])
@@ -185,7 +185,7 @@ def _check_linear(initial: InitialState) -> None:
         if limited:
             raise motor.error("it is at its limit, and has no linear equations")
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        law = LAWS[laws.number[m]]
+        law = LAW_KINDS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):
             raise ModelError(
                 f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "

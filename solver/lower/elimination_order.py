@@ -29,7 +29,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Index, as_index
-from ..step.system import Couplings, Elastic, Frames, Pattern
+from ..step.records.couplings import Couplings
+from ..step.records.elastic import Elastic
+from ..step.records.frames import Frames
+from ..step.records.matrix import Pattern
 
 GROUND = -1
 Pairs = Set[tuple[int, int]]

@@ -15,8 +15,12 @@ from ..model.loads import AnyLoad
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..signals.signal import Signal, SmoothSignal
+from ..step.records.bodies import Bodies
+from ..step.records.couplings import Couplings
+from ..step.records.elastic import Elastic, Sensors
+from ..step.records.loads import LoadPatterns, Loads
 from ..step.rows import measures_length
-from ..step.system import Bodies, Couplings, Elastic, LoadPatterns, Loads, Sensors, System
+from ..step.system import System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .friction import inertia_between

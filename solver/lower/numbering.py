@@ -8,8 +8,8 @@ from ..couplings.coupling import GROUND, Coupling, side_names
 from ..couplings.rows import Pose, Sides
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
+from ..step.records.frames import Frames
 from ..step.rotations import quaternion_of
-from ..step.system import Frames
 from .placement import frame_pose
 
 

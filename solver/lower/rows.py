@@ -8,7 +8,9 @@ from ..arrays import Array, Index, as_index, as_rows
 from ..couplings.friction import Bristle
 from ..couplings.rows import Row
 from ..signals.signal import SmoothSignal
-from ..step.system import Couplings, Friction, Laws, Motors, Rows, Terms
+from ..step.records.contacts import Friction
+from ..step.records.couplings import Couplings, Rows, Terms
+from ..step.records.laws import Laws, Motors
 
 
 def lay_out_rows(rows: Sequence[Row]) -> Rows:

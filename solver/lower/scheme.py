@@ -7,7 +7,7 @@ from ..errors import ModelError
 from ..history.layout import Horizon, Stepping
 from ..model.bodies import RigidSuperelement
 from ..model.model import Model
-from ..step.system import Newton, Scheme
+from ..step.records.scheme import Newton, Scheme
 
 MOST_STEPS = 1e15
 """of a run: they are counted, and times are multiples of the step, in double precision"""

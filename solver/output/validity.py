@@ -6,7 +6,7 @@ from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ..arrays import Array
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
-from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
+from ..step.extremes import MAX_ELASTIC_DISPLACEMENT, MAX_ELASTIC_ROTATION
 from ..step.system import State
 from .measures import MEASURES
 from .reading import Reading
@@ -83,9 +83,10 @@ def _beyond(lowered: LoweredModel, f: int, rotation: float, move: float) -> str:
     """How frame f has left the range at which runs end, in words; "" if it has not."""
     elastic, frames = lowered.system.elastic, lowered.system.frames
     size = float(elastic.size[elastic.of_body[frames.body[f]]])
-    if rotation > FARTHEST_TURN:
-        passed = f"turned by {rotation:.3g} rad by elasticity, more than {FARTHEST_TURN:.3g} rad"
-    elif move > FARTHEST_MOVE * size:
+    if rotation > MAX_ELASTIC_ROTATION:
+        limit = f"{MAX_ELASTIC_ROTATION:.3g} rad"
+        passed = f"turned by {rotation:.3g} rad by elasticity, more than {limit}"
+    elif move > MAX_ELASTIC_DISPLACEMENT * size:
         passed = (
             f"moved by {move:.3g} m by elasticity, more than the size of its body, {size:.3g} m"
         )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Index
 from ..checkpoint.carried import Snapshot, carried
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from ..step.system import System
 from .frequencies import Vibrations, null_space, spring_slopes, unknowns_of, vibrations
@@ -88,7 +88,7 @@ def _relaxing(system: System) -> Array:
     """Row, stiffness and relaxation time (n, 3) of each Maxwell element of force laws."""
     laws, found = system.couplings.laws, [np.zeros((0, 3))]
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        if LAWS[laws.number[m]] is MaxwellLaw:
+        if LAW_KINDS[laws.number[m]] is MaxwellLaw:
             tau, kappa = np.split(laws.parameters[laws.first[m] : laws.first[m + 1]], 2)
             found.append(np.column_stack([np.full(len(tau), i), kappa, tau]))
     return np.concatenate(found)

@@ -23,11 +23,13 @@ from ..step.bodies import largest_coordinate
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.force_laws import law_rounding
-from ..step.measure import ROUNDING
+from ..step.measure import SUM_ROUNDING
 from ..step.newton import correct
+from ..step.records.elastic import Elastic
+from ..step.records.laws import Motors
 from ..step.rows import measures_length
-from ..step.second_order import INERTIA, inertia_column
-from ..step.system import Elastic, Motors, State, System, Workspace
+from ..step.second_order import INERTIA_DOFS, inertia_column
+from ..step.system import State, System, Workspace
 from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion
@@ -340,7 +342,7 @@ class _Search:
         force, moment = self._law_rounding()
         size, reach = self.system.bodies.size, largest_coordinate(self.system.bodies, self.state)
         floors = (force + moment / size) / TOLERANCE, (moment + force * size) / TOLERANCE
-        return self._residual(floors, ROUNDING * reach / TOLERANCE) <= TOLERANCE
+        return self._residual(floors, SUM_ROUNDING * reach / TOLERANCE) <= TOLERANCE
 
     def _law_rounding(self) -> tuple[float, float]:
         """The largest force and moment of a law by the rounding of positions."""
@@ -418,10 +420,12 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
     """G_0 d(p, s, f_q) / d omega of the active dofs of a body with terms of second order (n, 3)."""
     r, n = int(elastic.second.r[e]), int(np.diff(elastic.active_range)[e])
     slopes = np.zeros((n, 3))
-    by_omega = np.array([inertia_column(j, tuple(omega)) for j in range(INERTIA)])
-    slopes[n - r - INERTIA : n - r] = by_omega
+    by_omega = np.array([inertia_column(j, tuple(omega)) for j in range(INERTIA_DOFS)])
+    slopes[n - r - INERTIA_DOFS : n - r] = by_omega
     last = int(elastic.second.row[e + 1])
-    slopes[n - r :] = work.second.slope[last - INERTIA * r : last].reshape(INERTIA, r).T @ by_omega
+    slopes[n - r :] = (
+        work.second.slope[last - INERTIA_DOFS * r : last].reshape(INERTIA_DOFS, r).T @ by_omega
+    )
     first = int(elastic.G_active_start[e])
     by_loads: Array = elastic.G_active[first : first + n * n].reshape(n, n) @ slopes
     return by_loads

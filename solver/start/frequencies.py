@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
 from ..step.equations import linearize
 from ..step.system import State, System, Workspace
@@ -101,7 +101,7 @@ def spring_slopes(system: System, state: State, work: Workspace, rates: bool = F
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
         memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
-        law = LAWS[laws.number[m]]
+        law = LAW_KINDS[laws.number[m]]
         slopes = law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)
         S[i, i] += slopes[2 if rates else 1]
     motors = laws.motors

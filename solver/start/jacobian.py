@@ -3,7 +3,8 @@
 import numpy as np
 
 from ..arrays import Array, Index
-from ..step.system import Couplings, State, System, Workspace
+from ..step.records.couplings import Couplings
+from ..step.system import State, System, Workspace
 from .matrices import Matrix, from_entries, is_small
 
 

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..lower.lower import LoweredModel
 from ..step.equations import linearize
-from ..step.system import Motors, State, System, Workspace
+from ..step.records.laws import Motors
+from ..step.system import State, System, Workspace
 from .inertia import inverse_root
 from .jacobian import constraint_rows, coupling_jacobian
 from .matrices import dense_of

@@ -17,7 +17,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..model.settings import SteadyRotation
-from ..step.system import Scheme, State
+from ..step.records.scheme import Scheme
+from ..step.system import State
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from duhamel.solver.compiler import cache as cache_module
 from duhamel.solver.compiler import marks, object_file
 from duhamel.solver.step import newton
 from duhamel.solver.step.elimination import factorize
-from duhamel.solver.step.system import Pattern
+from duhamel.solver.step.records.matrix import Pattern
 
 CODE = bytes(range(256)) * 10
 FOLDER = Path(__file__).parent
