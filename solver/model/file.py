@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
@@ -22,7 +23,7 @@ from ..couplings.springs import Spring
 from ..couplings.stops import Stop
 from ..errors import ModelError, about
 from ..laws.law import FORCE_LAWS
-from ..schema.entry import filled
+from ..schema.entry import Entry, filled
 from ..schema.json_schema import definition
 from ..schema.paths import beside, relative
 from ..schema.tables import (
@@ -140,14 +141,29 @@ class _ModelFile(Table):
     output: table_of(OutputRequest) = table_of(OutputRequest)()  # type: ignore[valid-type]
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
-    joints: tuple[table_of_kinds(JOINTS), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[table_of_kinds(LOADS), ...] = ()  # type: ignore[valid-type]
+    joints: tuple[Any, ...] = ()
+    loads: tuple[Any, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
     couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
+
+
+def _model_file() -> Any:
+    """The table of a model file, with all kinds of joints and loads that are known by now."""
+    return _model_file_of(*JOINTS.values(), *LOADS.values())
+
+
+# Made when files are read: programs may have added kinds since this module was imported.
+@cache
+def _model_file_of(*known: type[Entry]) -> Any:
+    kinds: dict[str, Any] = {
+        "joints": (tuple[table_of_kinds(JOINTS), ...], ()),  # type: ignore[misc]
+        "loads": (tuple[table_of_kinds(LOADS), ...], ()),  # type: ignore[misc]
+    }
+    return create_model("ModelFile", __base__=_ModelFile, **kinds)
 
 
 ENTRY_FAMILIES = SIGNAL_FORMS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVAL_FORMS, BODY_SHAPES
@@ -158,7 +174,7 @@ def model_schema() -> dict[str, Any]:
     tables = {family: tables_of(family) for family in ENTRY_FAMILIES}
     families = {family.title: definition(family, own) for family, own in tables.items()}
     members = [table for own in tables.values() for table in own.values()]
-    return document_of(_ModelFile, "A model file of Duhamel", families, members)
+    return document_of(_model_file(), "A model file of Duhamel", families, members)
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -169,7 +185,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
     """
     path = Path(path)
     try:
-        file, text = read_table(path, _ModelFile)
+        file, text = read_table(path, _model_file())
     except InputError as error:
         raise ModelError(str(error)) from error
     # Paths in a model are relative to its file, wherever the program was started.

@@ -5,9 +5,10 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import duhamel.cli
 import h5py
 import pytest
-from duhamel.cli import app, projects
+from duhamel.cli import app
 from duhamel.superelement import Chain, sample_kernel, write
 
 
@@ -25,7 +26,7 @@ def test_a_superelement_is_compared_with_a_static_solution_of_its_mesh(runner, t
     """Beside its mesh, by itself; elsewhere, if told the body file. One of a stiffer body is not
     its own.
     """
-    starter = Path(projects.__file__).parent / "starters" / "solid-project"
+    starter = Path(duhamel.cli.__file__).parent / "starters" / "solid-project"
     folder = tmp_path / "made"
     shutil.copytree(starter, folder)
     (body,) = (file for file in folder.glob("*.toml") if "[interfaces" in file.read_text())
