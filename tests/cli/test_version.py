@@ -39,7 +39,7 @@ def test_no_word_of_help_is_taken_for_markup():
 def test_help_says_where_to_begin():
     help_of_it = pydoc.render_doc(duhamel, renderer=pydoc.plaintext)
     assert "duhamel init" in help_of_it
-    assert "from duhamel import preprocess, solver" in help_of_it
+    assert "import duhamel as du" in help_of_it
 
 
 def test_the_package_itself_loads_nothing():
