@@ -41,7 +41,7 @@ def run(
     unbegun = unwritten(target, "before the first step")
     with errors_in_one_line(solver, superelement), unbegun:
         model = solver.read_model(model_file)
-        results = solver.simulate(model, output=target, progress=True, resume=resume, anyway=anyway)
+        results = solver.simulate(model, output=target, progress=True, resume=resume, force=anyway)
     for line in (*solver.given_moduli(model), *report(results)):
         typer.echo(one_line(line))
     steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])

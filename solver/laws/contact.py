@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiler.marks import compiled
 from ..schema.entry import entry
-from ..schema.values import NONE, Limits, Numbers
+from ..schema.values import NO_ITEMS, Limits, Numbers
 from .law import Evaluation, ForceLaw, law_number
 
 LOWER, UPPER, STIFFNESS, EXPONENT, FACTOR, SLOW, DAMPING, PATCH, TABLE = range(9)
@@ -82,8 +82,8 @@ class ContactLaw(ForceLaw):
     slow: float = 0.01
     damping: float = 0.0
     patch: float = 0.0
-    penetration: Numbers = NONE
-    force: Numbers = NONE
+    penetration: Numbers = NO_ITEMS
+    force: Numbers = NO_ITEMS
 
     def parameters(self) -> Sequence[float]:
         d, f = np.array(self.penetration), np.array(self.force)

@@ -28,7 +28,7 @@ from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from ..schema.entry import Entry, Takes, entry
+from ..schema.entry import Entry, FieldSpec, entry
 from ..schema.forms import Family, Members
 
 Evaluation = tuple[float, float, float, float]
@@ -120,6 +120,8 @@ def _some(value: Any) -> Laws:
 AnyLaws = Annotated[
     Laws | Mapping[str, Laws],
     Members(FORCE_LAWS),
-    Takes("a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any),
+    FieldSpec(
+        "a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any
+    ),
 ]
 """laws of one coordinate, or of several by their names"""

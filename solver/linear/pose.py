@@ -22,10 +22,10 @@ from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
 from .driven import driven_at
 
-BESIDE = 1e-6
-"""relative change of a deformation, and a rate, beside which slopes are compared"""
-JUMP = 1e-2
-"""relative change of a slope that counts as a jump"""
+# relative change of a deformation, and a rate, beside which slopes are compared
+SLOPE_PROBE = 1e-6
+# relative change of a slope; smooth laws change by about SLOPE_PROBE
+MIN_SLOPE_JUMP = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,14 +158,14 @@ def _check_slopes(initial: InitialState, m: int, i: int) -> None:
     parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
     memory = initial.state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
     c = float(work.couplings.coordinate[i] - laws.rest[i])
-    near = BESIDE * max(abs(c), BESIDE)
-    for moves in ((near, 0.0), (0.0, BESIDE)):
+    near = SLOPE_PROBE * max(abs(c), SLOPE_PROBE)
+    for moves in ((near, 0.0), (0.0, SLOPE_PROBE)):
         slopes = [
             law.evaluate(parameters, memory, np.inf, c + way * moves[0], way * moves[1])[1:3]
             for way in (-1.0, 1.0)
         ]
         for before, after in zip(*slopes, strict=True):
-            if abs(after - before) > JUMP * max(abs(after), abs(before)):
+            if abs(after - before) > MIN_SLOPE_JUMP * max(abs(after), abs(before)):
                 raise ModelError(
                     f"{lowered.owner_of(i)}: the slope of {law.__name__} jumps at rest, "
                     f"from {before:.6g} to {after:.6g}"
