@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from ...results import Results
 
-OPTIONS = {
+EXPORT_OPTIONS = {
     "quantities": "quantities",
     "window": "--from and --until",
     "film": "--frames, --all and --magnify",
@@ -45,7 +45,7 @@ Write = Callable[[Asked], Sequence[Path]]
 class ExportFormat:
     """A format of `duhamel export --to NAME`.
 
-    suffix: of its files; what: they are, for the help; takes: keys of `OPTIONS`; write: writes the
+    suffix: of its files; what: they are, for the help; takes: keys of `EXPORT_OPTIONS`; write: writes the
     files and gives their paths.
     """
 

@@ -7,7 +7,7 @@ import typer
 
 from .export import Asked, export_format
 
-MOST = 200
+MAX_VTK_FRAMES = 200
 """frames of a film unless more are asked for"""
 
 
@@ -22,7 +22,7 @@ def vtk(asked: Asked) -> Sequence[Path]:
     from ...results.steps import evenly
 
     there = asked.rows.stop - asked.rows.start
-    most = there if asked.every else asked.frames or MOST
+    most = there if asked.every else asked.frames or MAX_VTK_FRAMES
     steps = evenly(asked.results.time, asked.rows, most)
     if len(steps) < there and asked.frames is None:
         typer.echo(f"{len(steps)} of {there} steps, evenly over time: --frames or --all for more")

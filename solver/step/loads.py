@@ -17,17 +17,7 @@ from .frames import add_pair_tangent, add_wrench_scale, pull_back
 from .records.loads import Loads
 from .rotations import relative_rotation
 from .system import State, System, Workspace
-from .vectors import (
-    UNIT_AXES,
-    ZERO_VECTOR,
-    Vector,
-    add_to_row,
-    cross,
-    dot,
-    rotate,
-    scale,
-    triple,
-)
+from .vectors import UNIT_AXES, ZERO_VECTOR, Vector, add_to_row, cross, dot, rotate, scale, triple
 
 LOAD_KINDS: list[Any] = []
 """kinds of loads, in the order of their numbers"""
