@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ..arguments import ResultsFile, time_or_worst
-from ..exports import EXPORTS, OPTIONS, Asked, described, takers
+from ..exports import EXPORT_OPTIONS, EXPORTS, Asked, described, takers
 from ..failures import errors_in_one_line, one_line
 
 HELP_WIDTH = 93
@@ -131,5 +131,5 @@ def _require_sense(to: str, given: dict[str, bool]) -> None:
         raise typer.BadParameter(f"--to: expected one of {', '.join(EXPORTS)}, found {to!r}")
     for option, is_given in given.items():
         if is_given and option not in EXPORTS[to].takes:
-            expected = f"{OPTIONS[option]} go with --to {takers(option)}"
+            expected = f"{EXPORT_OPTIONS[option]} go with --to {takers(option)}"
             raise typer.BadParameter(f"{expected}, found --to {to}")

@@ -7,9 +7,9 @@ from importlib import import_module
 from itertools import groupby
 from pkgutil import iter_modules
 
-from .export import EXPORTS, OPTIONS, Asked
+from .export import EXPORT_OPTIONS, EXPORTS, Asked
 
-__all__ = ["EXPORTS", "OPTIONS", "Asked", "described", "takers"]
+__all__ = ["EXPORTS", "EXPORT_OPTIONS", "Asked", "described", "takers"]
 
 FORMAT_ORDER = ("vtk", "csv", "mat", "loads")
 """files in the order of the help, which has all others after these"""
@@ -26,6 +26,6 @@ def described() -> str:
 
 
 def takers(option: str) -> str:
-    """The formats that take an option of `OPTIONS`, as text."""
+    """The formats that take an option of `EXPORT_OPTIONS`, as text."""
     *others, last = [each.name for each in EXPORTS.values() if option in each.takes]
     return f"{', '.join(others)} or {last}" if others else last

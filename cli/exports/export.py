@@ -45,8 +45,8 @@ Write = Callable[[Asked], Sequence[Path]]
 class ExportFormat:
     """A format of `duhamel export --to NAME`.
 
-    suffix: of its files; what: they are, for the help; takes: keys of `EXPORT_OPTIONS`; write: writes the
-    files and gives their paths.
+    suffix: of its files; what: they are, for the help; takes: keys of `EXPORT_OPTIONS`; write:
+    writes the files and gives their paths.
     """
 
     name: str
