@@ -43,7 +43,8 @@ LEAST = (0.0, 0.0, 0.01, 0.01, 0.0)
 """scales of those that hardly move"""
 SIZE = 0.3
 """of a mechanism [m], the scale of positions"""
-FEW = (1, 9, 16, 29)
+FEW = (1, 9, 16, 17, 29)
+"""17 has a torsion spring in a closed loop"""
 MANY = range(200)
 PLANAR = ("revolute", "prismatic", "planar")
 SLIDING = ("cylindrical", "prismatic", "screw", "point_on_line")
