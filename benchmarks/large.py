@@ -105,7 +105,7 @@ def counted() -> Iterator[Measurement]:
     """Seconds before the first solve, and of solves; blocks, and iterations of all solves."""
     from duhamel.preprocess.responses.krylov import KrylovSpace
     from duhamel.preprocess.solving.factor import Factor
-    from duhamel.preprocess.solving.gradients import ConjugateGradients
+    from duhamel.preprocess.solving.refined import RefinedGradients
 
     spent: Measurement = {"set-up": 0.0, "solves": 0.0, "blocks": 0, "iterations": 0}
     create, grow = KrylovSpace.__init__, KrylovSpace.grow
@@ -133,7 +133,7 @@ def counted() -> Iterator[Measurement]:
         mock.patch.object(KrylovSpace, "__init__", created),
         mock.patch.object(KrylovSpace, "grow", grown),
         mock.patch.object(Factor, "__call__", timed(Factor.__call__)),
-        mock.patch.object(ConjugateGradients, "__call__", timed(ConjugateGradients.__call__)),
+        mock.patch.object(RefinedGradients, "__call__", timed(RefinedGradients.__call__)),
     ):
         yield spent
 

@@ -11,8 +11,6 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from ..files.outputs import in_words
-
 LONGEST = 2000
 """characters of a line"""
 
@@ -48,6 +46,8 @@ def _of_the_system(error: OSError) -> str:
     if error.errno == errno.EPIPE:
         raise error
     if error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        from ..files.outputs import in_words
+
         return f"standard output: cannot be written: {in_words(error)}"
     return str(error)
 
@@ -74,15 +74,16 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
     with warnings.catch_warnings():
         for category in own_warnings:
             warnings.simplefilter("always", category)
-        show = warnings.showwarning
+        show, told = warnings.showwarning, set[str]()
 
         def show_own(
             message: Warning | str, category: type[Warning], *where: Any, **more: Any
         ) -> None:
-            if issubclass(category, own_warnings):
-                typer.echo(one_line(f"warning: {message}"), err=True)
-            else:
+            if not issubclass(category, own_warnings):
                 show(message, category, *where, **more)
+            elif str(message) not in told:  # a Campbell diagram has one at each speed
+                told.add(str(message))
+                typer.echo(one_line(f"warning: {message}"), err=True)
 
         warnings.showwarning = show_own
         try:

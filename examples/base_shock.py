@@ -84,7 +84,7 @@ def main(folder: Path) -> tuple[Shock, Checks]:
 def ensure_superelement() -> Path:
     target = BODY.with_suffix(".h5")
     if not target.exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
     return target
 
 

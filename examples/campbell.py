@@ -42,7 +42,7 @@ def main(folder: Path) -> Found:
     folder.mkdir(parents=True, exist_ok=True)
     target = BODY.with_suffix(".h5")
     if not target.exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
     model = solver.read_model(ROOT / "examples/campbell.toml")
     diagram = solver.campbell(model, SPINS.tolist(), LINES)
     expected = np.array([formula(spin) for spin in SPINS])

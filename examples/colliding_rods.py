@@ -88,7 +88,7 @@ def ensure_superelement(name: str) -> Path:
     target = MESHES / f"{name}.h5"
     if not target.exists():
         body = preprocess.read_body(target.with_suffix(".toml"))
-        superelement.write(target, preprocess.build(body))
+        superelement.write(preprocess.build(body), target)
     return target
 
 

@@ -87,7 +87,7 @@ def main(folder: Path) -> tuple[RunUp, Flap, Checks]:
 
 def ensure_superelement() -> None:
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def beam(model: solver.Model) -> RotatingBeam:

@@ -91,7 +91,7 @@ def main() -> None:
     for name in ("beam", "flat"):
         body = ROOT / f"meshes/beam/{name}.toml"
         if not (target := body.with_suffix(".h5")).exists():
-            superelement.write(target, preprocess.build(preprocess.read_body(body)))
+            superelement.write(preprocess.build(preprocess.read_body(body)), target)
         beam = superelement.read(target)
         print(f"{name}.h5: free from {beam.modes.omega.min() / (2.0 * np.pi):.3f} Hz")
         for case in CASES:

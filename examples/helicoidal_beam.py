@@ -105,7 +105,7 @@ def ensure_superelement(name: str) -> None:
     """Make the superelement of a beam if it is not there."""
     body = ROOT / f"meshes/beam/{name}.toml"
     if not (target := body.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(body)))
+        superelement.write(preprocess.build(preprocess.read_body(body)), target)
 
 
 def variants(case: str) -> Iterator[tuple[str, solver.Model]]:

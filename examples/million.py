@@ -125,7 +125,7 @@ def rod_of(mesh: Path, file: Path) -> Rod:
     """The rod on a mesh; its superelement is made where there is no file of it."""
     body = preprocess.read_body(PART / "struck.toml").model_copy(update={"mesh": mesh})
     if not file.exists():
-        superelement.write(file, preprocess.build(body, progress=True))
+        superelement.write(preprocess.build(body, progress=True), file)
     element = superelement.read(file)
     seconds = sum(element.provenance.timings.values())
     return Rod(element, 3 * len(read_mesh(mesh, body.scale).points), seconds)

@@ -112,7 +112,7 @@ def main(folder: Path) -> Blow:
 
 def ensure_superelement() -> None:
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def blow(model: solver.Model, target: Path) -> Blow:

@@ -191,7 +191,7 @@ def main(folder: Path) -> Found:
 
 def ensure_superelement() -> None:
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def damped(model: solver.Model, damping: float) -> solver.Model:

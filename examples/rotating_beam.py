@@ -99,7 +99,7 @@ def main(folder: Path, with_reference: bool = True) -> dict[str, Motion]:
 def ensure_superelement() -> None:
     """Make the superelement of the beam if it is not there."""
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def variants(case: Case) -> dict[str, solver.Model]:

@@ -61,7 +61,7 @@ def main(folder: Path) -> Fall:
 
 def ensure_superelement() -> None:
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def linear(model: solver.Model) -> solver.Model:

@@ -110,7 +110,7 @@ def ensure(kind: str, meshes: str = "bar") -> Path:
     body = ROOT / f"meshes/{meshes}/{kind}.toml"
     target = body.with_suffix(".h5")
     if not target.exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(body)))
+        superelement.write(preprocess.build(preprocess.read_body(body)), target)
     return target
 
 

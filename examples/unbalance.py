@@ -168,7 +168,7 @@ def main(folder: Path) -> Whirl:
 
 def ensure_superelement() -> None:
     if not (target := BODY.with_suffix(".h5")).exists():
-        superelement.write(target, preprocess.build(preprocess.read_body(BODY)))
+        superelement.write(preprocess.build(preprocess.read_body(BODY)), target)
 
 
 def run_up(model: solver.Model, target: Path) -> Whirl:

@@ -9,11 +9,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from platform import node
+from typing import Any
 
 KEPT = 50
 """characters of a name that its temporary file has too: names end at 255 bytes"""
 
 AnyPath = str | os.PathLike[str]
+
+
+def object_and_path(first: Any, second: Any) -> tuple[Any, AnyPath]:
+    """What is to be written, and where: the order of earlier versions is understood too."""
+    return (second, first) if isinstance(first, str | os.PathLike) else (first, second)
 
 
 class OverwriteError(ValueError):

@@ -6,6 +6,7 @@ from .names import FORM as FORM_OF_NAMES
 from .names import is_name
 from .table import Table, Vector, expected, read_part, read_table
 from .text import parse_toml, read_text, read_toml
+from .writing import toml_of
 
 __all__ = [
     "FORM_OF_NAMES",
@@ -25,4 +26,5 @@ __all__ = [
     "read_table",
     "read_text",
     "read_toml",
+    "toml_of",
 ]

@@ -3,7 +3,7 @@
 import difflib
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -39,7 +39,25 @@ def expected(form: str) -> WrapValidator:
 Vector = Annotated[tuple[float, float, float], expected("three numbers")]
 
 
-class Table(BaseModel):
+class _OneLine(type(BaseModel)):  # type: ignore[misc]
+    """The class of tables, whose failures are one line where they are made in Python too."""
+
+    def __call__(cls, *args: Any, **given: Any) -> Any:
+        try:
+            return super().__call__(*args, **given)
+        except ValidationError as error:
+            raise InputError(f"{cls.__name__}: {_messages(error.errors(), given)}") from error
+
+
+if TYPE_CHECKING:
+    _Model = BaseModel
+else:
+
+    class _Model(BaseModel, metaclass=_OneLine):
+        pass
+
+
+class Table(_Model):
     """A table of a file: frozen, of finite numbers, without unknown keys; text is no number."""
 
     model_config = ConfigDict(

@@ -20,49 +20,27 @@
 # %%
 from pathlib import Path
 
+import duhamel as du
 import matplotlib.pyplot as plt
 import numpy as np
-from duhamel import preprocess, solver
-from duhamel.solver import (
-    Fixed,
-    FlexibleBody,
-    Frame,
-    Model,
-    Place,
-    Revolute,
-    RigidBody,
-    Settings,
-    Spring,
-    Start,
-    Torque,
-)
 
 ROOT = Path.cwd().parent  # the checkout of the sources
 
 # %%
-beam = preprocess.build(preprocess.read_body(ROOT / "meshes/beam/beam.toml"))
-hub = RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": Frame([0.05, 0, 0])})
-blade = FlexibleBody(beam, start=Start(place=Place("root", "hub.rim")))
-pivot = Revolute("ground", "hub", [0, 0, 1], name="pivot")
-clamp = Fixed("hub.rim", "beam.root", name="clamp")
-spring = Spring(
-    "spring", "torsion", ("ground", "hub"), stiffness=50.0, damping=0.02, axis=[0, 0, 1]
-)
-torque = Torque("hub", [0, 0, 1], solver.Constant(0.0))
-model = Model(
-    {"hub": hub, "beam": blade},
-    [pivot, clamp],
-    springs=[spring],
-    loads=[torque],
-    settings=Settings(t_end=0.1),
-)
+beam = du.Part.read(ROOT / "meshes/beam/beam.toml").superelement()
+m = du.Mechanism()
+wheel = du.RigidBody(0.01, [0.0095095, 0.0095095, 0.019019], {"rim": [0.05, 0, 0]})
+hub = m.add(wheel, name="hub")
+blade = m.add(beam, name="beam", place={"root": hub["rim"]})
+m.add(du.joints.Revolute(m.ground, hub, axis="z", name="pivot"))
+m.add(du.joints.Fixed(hub["rim"], blade["root"], name="clamp"))
+m.add(du.springs.torsion(m.ground, hub, "z", stiffness=50.0, damping=0.02))
 
 # %% [markdown]
 # ## Modes
 
 # %%
-linear = solver.linearize(model)
-modes = linear.modes(6)
+modes = m.modes(6)
 for frequency, ratio in zip(modes.frequencies, modes.ratios, strict=True):
     print(f"{frequency:9.3f} Hz, damping {100 * ratio:.3f} %")
 
@@ -74,7 +52,7 @@ for frequency, ratio in zip(modes.frequencies, modes.ratios, strict=True):
 
 # %%
 frequencies = np.linspace(0.0, 150.0, 1500)
-response = linear.frf(["load:1"], ["coordinate:pivot:angle"], frequencies)
+response = m.frf(["torque:hub:z"], ["pivot.angle"], frequencies)
 angle = np.abs(response.values[:, 0, 0])
 plt.figure(figsize=(8, 4))
 plt.semilogy(frequencies, angle)

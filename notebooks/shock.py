@@ -19,39 +19,29 @@
 # %%
 from pathlib import Path
 
+import duhamel as du
 import matplotlib.pyplot as plt
-from duhamel import preprocess, solver
 from duhamel.results import series
-from duhamel.solver import (
-    FlexibleBody,
-    HalfSine,
-    Model,
-    Place,
-    Prismatic,
-    Settings,
-    Start,
-)
 
 ROOT = Path.cwd().parent  # the checkout of the sources
 G = 9.80665
 
 # %%
-beam = preprocess.build(preprocess.read_body(ROOT / "meshes/beam/beam.toml"))
-shelf = FlexibleBody(beam, start=Start(place=Place("root", "ground")))
-table = Prismatic(
-    "ground", "beam.root", [0, 0, 1], name="table", acceleration=HalfSine(50 * G, 6e-3, 1e-3)
-)
-settings = Settings(t_end=0.1, step=2e-5, rho_inf=0.9)
-results = solver.simulate(Model({"beam": shelf}, [table], settings=settings))
+beam = du.Part.read(ROOT / "meshes/beam/beam.toml").superelement()
+m = du.Mechanism()
+shelf = m.add(beam, name="beam", place={"root": m.ground})
+shock = du.signals.HalfSine(50 * G, 6e-3, 1e-3)
+m.add(du.joints.Prismatic(m.ground, shelf["root"], "z", name="table", acceleration=shock))
+run = m.simulate(0.1, step=2e-5, rho_inf=0.9)
 
 # %% [markdown]
 # ## The motion
 
 # %%
-root, tip = (results.frame(f"beam.{name}").acceleration[:, 2] for name in ("root", "tip"))
+root, tip = (run[f"beam.{name}"].acceleration[:, 2] for name in ("root", "tip"))
 plt.figure(figsize=(8, 3))
-plt.plot(1e3 * results.time, tip / G, label="tip")
-plt.plot(1e3 * results.time, root / G, label="root")
+plt.plot(1e3 * run.time, tip / G, label="tip")
+plt.plot(1e3 * run.time, root / G, label="root")
 plt.xlabel("time [ms]")
 plt.ylabel("acceleration [g]")
 plt.legend()
@@ -67,7 +57,7 @@ plt.show()
 plt.figure(figsize=(8, 4))
 spectra = {}
 for name, acceleration in {"root": root, "tip": tip}.items():
-    spectra[name] = series.shock_spectrum(results.time, acceleration, q=10.0)
+    spectra[name] = series.shock_spectrum(run.time, acceleration, q=10.0)
     plt.loglog(spectra[name].frequency, spectra[name].values / G, label=name)
 plt.xlabel("frequency [Hz]")
 plt.ylabel("acceleration [g], Q = 10")

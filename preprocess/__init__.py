@@ -2,6 +2,7 @@
 
 from .assembly.structure import Structure
 from .body.body import Body, body_schema, read_body
+from .body.writing import write_body
 from .build import assemble, build
 from .errors import (
     BodyError,
@@ -10,8 +11,10 @@ from .errors import (
     MeshError,
     MeshWarning,
     MethodError,
+    PlausibilityWarning,
     PreprocessError,
 )
+from .mesh.in_memory import mesh_of
 from .plausibility import doubts_of_body
 from .sources.reading import files_of
 from .verification import body_of, static_check
@@ -24,6 +27,7 @@ __all__ = [
     "MeshError",
     "MeshWarning",
     "MethodError",
+    "PlausibilityWarning",
     "PreprocessError",
     "Structure",
     "assemble",
@@ -32,6 +36,8 @@ __all__ = [
     "build",
     "doubts_of_body",
     "files_of",
+    "mesh_of",
     "read_body",
     "static_check",
+    "write_body",
 ]

@@ -1,6 +1,6 @@
 """From a body file's contents to a superelement."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib import metadata
@@ -8,8 +8,9 @@ from importlib import metadata
 import numpy as np
 
 from ..files import in_one_line
+from ..files.blas import one_blas_thread
 from ..files.memory import available
-from ..superelement import Provenance, Rotation, Superelement, sha256
+from ..superelement import Provenance, Rotation, Superelement
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
@@ -18,7 +19,7 @@ from .body.body import Body
 from .errors import MemoryShortageError
 from .outline import outline_of
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
-from .progress import Stages, shown_stages
+from .progress import Stages, Warn, shown_stages, silent
 from .recovery import check_recovery, recover
 from .responses.channels import channels_of, of_interfaces
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
@@ -28,14 +29,8 @@ from .solving.factor import factorizations
 from .sources.reading import read_source
 from .threads import blas_threads
 
-FEWEST = 3
-"""dofs of an interface, at least"""
-Told = Callable[[str], object]
-PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
-
-
-def silent(doubt: str) -> None:
-    """Where doubts are not asked for."""
+MIN_INTERFACE_DOFS = 3
+STATED_PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 
 
 def assemble(body: Body) -> Structure:
@@ -46,21 +41,24 @@ def assemble(body: Body) -> Structure:
     return assemble_on(body, read_source(body))
 
 
-def build(body: Body, progress: bool = False, told: Told = silent) -> Superelement:
+def build(
+    body: Body, progress: bool = False, on_warning: Warn = silent, told: Warn | None = None
+) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows on the terminal what is being done and how far it is. told: called with each
-    doubt about the mesh, the step and the band (plausibility.py).
+    `progress` shows on the terminal what is being done and how far it is. on_warning:
+    called with each doubt about the mesh, the step and the band (plausibility.py); told is its
+    former name.
     `PreprocessError` if the body, its mesh or its method do not allow it.
     """
-    require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
+    require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
     with (
         memory_shortage_told(),
         refused_where_singular(),
-        shown_stages(progress) as stages,
-        factorizations() as summaries,
+        shown_stages(progress, told or on_warning) as stages,
+        factorizations() as stages.solvers,
     ):
-        return _build(body, stages, summaries, told)
+        return _build(body, stages)
 
 
 @contextmanager
@@ -79,10 +77,10 @@ def memory_shortage_told() -> Iterator[None]:
         ) from error
 
 
-def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Superelement:
+def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("mesh"):
-        source = checked_source(body, told)
-    with stages.stage("assembly"):
+        source = checked_source(body, stages.warn)
+    with stages.stage("assembly"), one_blas_thread():  # it has threads of its own
         structure = assemble_on(body, source)
         second = None
         if body.rotation is not None:
@@ -94,16 +92,16 @@ def _build(body: Body, stages: Stages, summaries: list[str], told: Told) -> Supe
         with stages.stage("impulse"):
             responses = impulse_responses(wide, body, stages, parts)
             for doubt in doubts_of_responses(body, responses):
-                told(doubt)
-        return superelement_of(body, source, structure, second, responses, stages, summaries)
+                stages.warn(doubt)
+        return superelement_of(body, source, structure, second, responses, stages)
 
 
-def checked_source(body: Body, told: Told) -> Source:
-    """The source of a body, which has the fields that are to be recovered; its doubts are told."""
+def checked_source(body: Body, warn: Warn) -> Source:
+    """The source of a body, which has the fields that are to be recovered, with its warnings."""
     source = read_source(body)
     check_recovery(body, source)
     for doubt in doubts_of_source(body, source):
-        told(doubt)
+        warn(doubt)
     return source
 
 
@@ -114,11 +112,10 @@ def superelement_of(
     second: SecondOrder | None,
     responses: ImpulseResponses,
     stages: Stages,
-    summaries: list[str],
 ) -> Superelement:
     """The superelement of a structure and its impulse responses.
 
-    second: the terms of second order, if asked for; summaries: of the libraries that solved.
+    second: the terms of second order, if asked for.
     """
     with stages.stage("static"):
         # Modes say it without another factorization; and steps start as their modes do, not as the
@@ -156,10 +153,10 @@ def superelement_of(
         provenance=Provenance(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
-            mesh_sha256=", ".join(sha256(path) for path in body.files),
+            mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(summaries),
+            versions=_versions(stages.solvers),
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),
@@ -191,8 +188,8 @@ def _rotation(
     return reduced_rotation(structure, second, modes, shapes, asked)
 
 
-def _versions(summaries: list[str]) -> dict[str, str]:
-    versions = {name: metadata.version(name) for name in PACKAGES}
-    if summaries:
-        versions["factorization"] = ", ".join(dict.fromkeys(summaries))
+def _versions(solvers: list[str]) -> dict[str, str]:
+    versions = {name: metadata.version(name) for name in STATED_PACKAGES}
+    if solvers:
+        versions["factorization"] = ", ".join(dict.fromkeys(solvers))
     return versions

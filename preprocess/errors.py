@@ -29,6 +29,10 @@ class MeshWarning(UserWarning):
     """A mesh file that holds more than is read of it."""
 
 
+class PlausibilityWarning(UserWarning):
+    """Something about a part that is unlike any that is built, most often a wrong unit."""
+
+
 class MemoryShortageError(PreprocessError, MemoryError):
     """A build that needs more memory than is available; both in bytes."""
 

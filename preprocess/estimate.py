@@ -16,17 +16,15 @@ from .mesh.nodes import Nodes
 from .solving.factor import factorize
 from .threads import in_order
 
-SOLVED = 50_000
+MAX_SOLVED_UNKNOWNS = 50_000
 """Unknowns of solids up to which frequencies are computed, and above which they are estimated."""
-SPLINES = 350
+SPLINES_PER_COMPONENT = 350
 """Splines for a component of displacement: fields enough for some ten modes, few enough for a dense
 eigenproblem.
 """
-ROWS = 2**14
-"""rows of a matrix that are reduced at once"""
-THIN = 1e-3
-"""Extent of the grid across a body without any, over the largest."""
-INDEPENDENT = 1e-9
+REDUCED_ROWS_AT_ONCE = 2**14
+MIN_GRID_EXTENT = 1e-3  # across a body without any, over the largest
+MIN_SPLINE_EIGENVALUE = 1e-9
 """Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of
 others.
 """
@@ -43,9 +41,9 @@ class Frequencies:
 def first_frequencies(structure: Structure, count: int) -> Frequencies:
     """Up to `count` frequencies: exact for beams and small solids, upper bounds for larger ones."""
     count = min(count, structure.n_u - 7)
-    if structure.nodes.rotations.all() or structure.n_u <= SOLVED:
+    if structure.nodes.rotations.all() or structure.n_u <= MAX_SOLVED_UNKNOWNS:
         return Frequencies(_solved(structure, count), exact=True)
-    return Frequencies(ritz_frequencies(structure, SPLINES)[:count], exact=False)
+    return Frequencies(ritz_frequencies(structure, SPLINES_PER_COMPONENT)[:count], exact=False)
 
 
 def ritz_frequencies(structure: Structure, splines: int) -> Array:
@@ -63,7 +61,7 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
     K, M = _reduced(structure.K, V), _reduced(structure.M, V)
     scale = 1.0 / np.sqrt(M.diagonal())
     mass, vectors = np.linalg.eigh(M * np.outer(scale, scale))
-    independent = mass > INDEPENDENT
+    independent = mass > MIN_SPLINE_EIGENVALUE
     basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
     squares: Array = np.linalg.eigvalsh(basis.T @ K @ basis)[6:]
     return np.sqrt(squares) / (2.0 * np.pi)
@@ -74,11 +72,11 @@ def _reduced(A: Any, V: Any) -> Array:
     rows = A.tocsc().T
 
     def of_rows(start: int) -> Any:
-        piece = slice(start, start + ROWS)
+        piece = slice(start, start + REDUCED_ROWS_AT_ONCE)
         return V[piece].T @ (rows[piece] @ V)
 
     total = np.zeros((V.shape[1], V.shape[1]))
-    for part in in_order(of_rows, range(0, A.shape[0], ROWS)):
+    for part in in_order(of_rows, range(0, A.shape[0], REDUCED_ROWS_AT_ONCE)):
         total += part.toarray()
     return total
 
@@ -106,7 +104,7 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     z.
     """
     lower, upper = nodes.points.min(axis=0), nodes.points.max(axis=0)
-    margin = 0.5 * np.maximum(THIN * (upper - lower).max() - (upper - lower), 0.0)
+    margin = 0.5 * np.maximum(MIN_GRID_EXTENT * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
     scaled = (nodes.points - lower) / (upper - lower)
     cells = _grid(scaled, upper - lower, splines)

@@ -10,14 +10,11 @@ from .body.material import Section
 from .sources.given import GivenSource
 from .sources.lines import LineSource
 
-ROUND = 0.01
-"""largest relative difference of the bending stiffnesses of what is drawn round"""
-CORNERS = 12
-"""of a round section"""
+MAX_ROUND_DIFFERENCE = 0.01  # of the bending stiffnesses of what is drawn round
+ROUND_CORNERS = 12
 THINNEST, THICKEST = 1e-3, 0.5
 """edges of a section in lengths of the body: what they are clamped to"""
-APART = 1e-6
-"""of the size of a body: what sections of neighbors may differ by, to be one"""
+MAX_SECTION_GAP = 1e-6  # of the size of a body: what sections of neighbors may differ by, to be one
 
 
 def outline_of(source: Source, center: Array) -> Outline | None:
@@ -47,7 +44,7 @@ def swept(source: LineSource, center: Array) -> Outline:
     points, lines = source.mesh.points, source.mesh.cells["line"]
     _, axes = source.section_axes()
     size = float(np.linalg.norm(np.ptp(points[np.unique(lines)], axis=0)))
-    rings = _Rings(APART * size)
+    rings = _Rings(MAX_SECTION_GAP * size)
     tubes = []
     for ends, (_, y, z), section in zip(lines, axes, source.section_of_each, strict=True):
         across = corners_of(section, size) @ np.array([y, z])
@@ -65,8 +62,8 @@ def corners_of(section: Section, size: float) -> Array:
     radii = np.sqrt(np.array([section.EI_z, section.EI_y]) / section.EA)
     low, high = THINNEST * size / np.sqrt(12.0), THICKEST * size / np.sqrt(12.0)
     radii = np.clip(radii, low, high)
-    if abs(section.EI_y - section.EI_z) <= ROUND * max(section.EI_y, section.EI_z):
-        angles = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
+    if abs(section.EI_y - section.EI_z) <= MAX_ROUND_DIFFERENCE * max(section.EI_y, section.EI_z):
+        angles = 2.0 * np.pi / ROUND_CORNERS * np.arange(ROUND_CORNERS)
         around: Array = 2.0 * radii * np.column_stack([np.cos(angles), np.sin(angles)])
         return around
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])

@@ -15,28 +15,18 @@ from .body.material import Material, Section
 from .errors import MethodError
 from .mesh.mesh import Mesh
 
-SOUND = (20.0, 30_000.0)
-"""Speeds of sound in solids [m/s]: soft rubber, and twice that of beryllium."""
-DENSITY = (9.0, 25_000.0)
-"""Densities of solids [kg/m^3]: foams, and osmium."""
-MODULUS = 1.3e12
-"""Largest Young's modulus [Pa], above that of diamond."""
-SIZE = (1e-5, 100.0)
-"""Sizes of parts [m]."""
-STIFF = 1.05
-"""Energy of bent elements over that of pure bending above which they are called too stiff."""
-DAMPING = 0.5
-"""Modal damping ratio above which it may be in per cent."""
-DEPTH = 0.5
-"""Radius of gyration of a section over the size of its mesh, of no beam."""
-POLAR = (0.01, 100.0)
-"""Inertia of a section about its axis over that of a homogeneous one of the same EI and EA."""
-TORSION = 10.0
+SOUND_SPEEDS = (20.0, 30_000.0)  # [m/s]: soft rubber, and twice that of beryllium
+SOLID_DENSITIES = (9.0, 25_000.0)  # [kg/m^3]: foams, and osmium
+MAX_YOUNGS_MODULUS = 1.3e12  # [Pa], above that of diamond
+PART_SIZE = (1e-5, 100.0)  # [m]
+MAX_BENDING_EXCESS = 1.05  # energy of bent elements over that of pure bending
+MAX_DAMPING_RATIO = 0.5  # above which it may be in per cent
+MAX_SECTION_DEPTH = 0.5  # radius of gyration of a section over the size of its mesh
+POLAR_INERTIA_RATIOS = (0.01, 100.0)  # to that of a homogeneous section of the same EI and EA
+MAX_TORSION_RATIO = 10.0
 """GJ over EI_y + EI_z; 1 / (2 (1 + nu)) at most where one isotropic material fills the section."""
-REACH = 30.0
-"""Radius of gyration of a rigid piece over the size of the mesh, of no such piece."""
-SHORTEST = 0.01
-"""Shortest wave of a step over the spacing of nodes below which the step resolves nothing."""
+MAX_PIECE_RADIUS = 30.0  # of gyration of a rigid piece, over the size of the mesh
+MIN_WAVE_SPACINGS = 0.01  # below which the waves of a step are nothing on this mesh
 
 
 @contextmanager
@@ -81,11 +71,11 @@ def doubts_of_source(body: Body, source: Source) -> Iterator[str]:
 
 def doubts_of_mesh(mesh: Mesh) -> Iterator[str]:
     """Doubts about the size of a mesh."""
-    if not SIZE[0] <= mesh.size <= SIZE[1]:
-        unit = "millimeters (scale = 1e-3)" if mesh.size > SIZE[1] else "meters (no scale)"
+    if not PART_SIZE[0] <= mesh.size <= PART_SIZE[1]:
+        unit = "millimeters (scale = 1e-3)" if mesh.size > PART_SIZE[1] else "meters (no scale)"
         yield (
-            f"the mesh is {mesh.size:.4g} m large, parts are {SIZE[0]:g} to {SIZE[1]:g} m: "
-            f"are its coordinates in {unit}?"
+            f"the mesh is {mesh.size:.4g} m large, parts are {PART_SIZE[0]:g} to {PART_SIZE[1]:g} "
+            f"m: are its coordinates in {unit}?"
         )
 
 
@@ -101,10 +91,10 @@ def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
         yield from _of_piece(f"masses.{name}", piece.mass, np.array(piece.inertia), size)
     step = body.impulse.step
     fastest = source.resolution(0.5 / step)
-    if fastest.nodes < SHORTEST:
+    if fastest.nodes < MIN_WAVE_SPACINGS:
         yield (
             f"impulse.step = {step:g} s: the shortest wave that it follows is {fastest.nodes:.2g} "
-            f"of the spacing of the nodes, expected {SHORTEST:g} or more: "
+            f"of the spacing of the nodes, expected {MIN_WAVE_SPACINGS:g} or more: "
             "nothing on this mesh is so fast"
         )
     if body.impulse.band is not None:
@@ -142,27 +132,27 @@ def _sections(body: Body) -> Iterator[tuple[str, Section]]:
 
 def _of_locking(source: MeshSource) -> Iterator[str]:
     excess = source.bending_excess()
-    if excess > STIFF:
+    if excess > MAX_BENDING_EXCESS:
         yield (
             f"these elements are too stiff in bending: deflections are about {1.0 / excess:.2g} "
-            "of what they should be; use elements with nodes on their edges, or hexahedra with "
-            "right angles"
+            "of what they should be; use elements with nodes on their edges (order = 2 makes them "
+            "of tetrahedra and wedges), or hexahedra with right angles"
         )
     if source.stiff_in_volume():
         yield (
             "four-node tetrahedra and wedges are too stiff for a nearly incompressible material, "
-            "by a factor: use hexahedra, or tetrahedra with ten nodes"
+            "by a factor: use hexahedra, or tetrahedra with ten nodes (order = 2)"
         )
 
 
 def _of_material(key: str, material: Material) -> Iterator[str]:
-    if not DENSITY[0] <= material.rho <= DENSITY[1]:
+    if not SOLID_DENSITIES[0] <= material.rho <= SOLID_DENSITIES[1]:
         yield (
             f"{key}.rho = {material.rho:g} kg/m^3 is not that of a solid, "
-            f"{DENSITY[0]:g} to {DENSITY[1]:g}: is it in t/mm^3 or g/cm^3?"
+            f"{SOLID_DENSITIES[0]:g} to {SOLID_DENSITIES[1]:g}: is it in t/mm^3 or g/cm^3?"
         )
     stiffest = float(np.max(material.E))
-    if stiffest > MODULUS:
+    if stiffest > MAX_YOUNGS_MODULUS:
         yield f"{key}.E = {stiffest:g} Pa is above that of diamond, 1.2e12: is it in other units?"
     E = float(np.min(material.E))
     yield from _of_sound(f"{key}.E = {E:g} Pa", float(np.sqrt(E / material.rho)))
@@ -178,13 +168,13 @@ def _of_section(key: str, section: Section) -> Iterator[str]:
         )
     polar = section.mass_per_length * (section.EI_y + section.EI_z) / section.EA
     ratio = section.polar_inertia_per_length / polar
-    if not POLAR[0] <= ratio <= POLAR[1]:
+    if not POLAR_INERTIA_RATIOS[0] <= ratio <= POLAR_INERTIA_RATIOS[1]:
         yield (
             f"{key}.polar_inertia_per_length = {section.polar_inertia_per_length:g} kg m is "
             f"{ratio:.2g} times that of a homogeneous section of this EI and EA, {polar:.3g}"
         )
     torsion = section.GJ / (section.EI_y + section.EI_z)
-    if torsion > TORSION:
+    if torsion > MAX_TORSION_RATIO:
         yield (
             f"{key}.GJ = {section.GJ:g} N m^2 is {torsion:.2g} times EI_y + EI_z, usual is half "
             "or less"
@@ -198,7 +188,7 @@ def _of_section(key: str, section: Section) -> Iterator[str]:
 def _of_depth(key: str, section: Section, size: float) -> Iterator[str]:
     for name in ("EI_y", "EI_z"):
         radius = float(np.sqrt(getattr(section, name) / section.EA))
-        if radius > DEPTH * size:
+        if radius > MAX_SECTION_DEPTH * size:
             yield (
                 f"{key}.{name}: sqrt({name} / EA), the radius of gyration, is {radius:.3g} m "
                 f"in a mesh of {size:.3g} m: is {name} in N mm^2?"
@@ -209,7 +199,7 @@ def _of_piece(key: str, mass: float, inertia: Array, size: float) -> Iterator[st
     if mass == 0.0:
         return
     radius = float(np.sqrt(0.5 * np.trace(inertia) / mass))
-    if radius > REACH * size:
+    if radius > MAX_PIECE_RADIUS * size:
         yield (
             f"{key}.inertia: its radius of gyration, sqrt(tr J / 2 m), is {radius:.3g} m on a mesh "
             f"of {size:.3g} m: is it in kg mm^2?"
@@ -218,7 +208,7 @@ def _of_piece(key: str, mass: float, inertia: Array, size: float) -> Iterator[st
 
 def _of_damping(body: Body) -> Iterator[str]:
     ratios = None if body.damping is None else body.damping.modal
-    if ratios is not None and (largest := max(ratios.ratios)) > DAMPING:
+    if ratios is not None and (largest := max(ratios.ratios)) > MAX_DAMPING_RATIO:
         yield (
             f"damping.modal = {largest:g} is a ratio to critical damping, of parts 0.001 to 0.1: "
             "is it in per cent?"
@@ -226,8 +216,8 @@ def _of_damping(body: Body) -> Iterator[str]:
 
 
 def _of_sound(what: str, speed: float) -> Iterator[str]:
-    if not SOUND[0] <= speed <= SOUND[1]:
+    if not SOUND_SPEEDS[0] <= speed <= SOUND_SPEEDS[1]:
         yield (
             f"{what} makes a speed of sound of {speed:.3g} m/s, that of no solid, "
-            f"{SOUND[0]:g} to {SOUND[1]:g}: is it in MPa, or the mass in other units?"
+            f"{SOUND_SPEEDS[0]:g} to {SOUND_SPEEDS[1]:g}: is it in MPa, or the mass in other units?"
         )

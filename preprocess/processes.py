@@ -37,4 +37,4 @@ class Processes:
         return part
 
 
-ALONE = Processes()
+ONE_PROCESS = Processes()

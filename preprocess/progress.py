@@ -1,17 +1,28 @@
-"""Stages of a build: their seconds, and how far they are."""
+"""Stages of a build: their seconds, how far they are, and what is to be said of them."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..files.progress import Progress, Work
 
+Warn = Callable[[str], object]
+
+
+def silent(warning: str) -> None:
+    """Where warnings are not asked for."""
+
 
 class Stages:
-    """The stages of a build, timed; `work` is what is shown of them."""
+    """The stages of a build, timed; `work` is what is shown of them.
 
-    def __init__(self, work: Work | None = None) -> None:
+    warn: called with what may be wrong; solvers: what solved, in its order.
+    """
+
+    def __init__(self, work: Work | None = None, warn: Warn = silent) -> None:
         self.seconds: dict[str, float] = {}
+        self.solvers: list[str] = []
+        self.warn = warn
         self._work = Work() if work is None else work
 
     @contextmanager
@@ -38,7 +49,7 @@ class Stages:
 
 
 @contextmanager
-def shown_stages(progress: bool) -> Iterator[Stages]:
+def shown_stages(progress: bool, warn: Warn = silent) -> Iterator[Stages]:
     """Stages that show themselves if `progress`; the display goes when they are over."""
     with Progress(Work("mesh"), shown=progress) as work:
-        yield Stages(work)
+        yield Stages(work, warn)

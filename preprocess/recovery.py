@@ -13,8 +13,7 @@ from .body.body import Body
 from .errors import MethodError
 from .responses.shapes import Shapes
 
-BATCH = 2**10
-"""Points at which fields are made at once, lest rows and strains of all of them take memory too."""
+POINTS_AT_ONCE = 2**10  # lest rows and strains of all of them take memory too
 
 
 def check_recovery(body: Body, source: Source) -> None:
@@ -80,12 +79,12 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 
 
 def _filled(points: FieldPoints, batch: Callable[[slice], Array]) -> Array:
-    """Fields (p, k, m) of all points, BATCH points at a time."""
+    """Fields (p, k, m) of all points, POINTS_AT_ONCE points at a time."""
     n = len(points.nodes)
-    first = batch(slice(0, min(BATCH, n)))
+    first = batch(slice(0, min(POINTS_AT_ONCE, n)))
     fields = np.empty((n, *first.shape[1:]))
-    fields[:BATCH] = first
-    for start in range(BATCH, n, BATCH):
-        fields[start : start + BATCH] = batch(slice(start, min(start + BATCH, n)))
+    fields[:POINTS_AT_ONCE] = first
+    for start in range(POINTS_AT_ONCE, n, POINTS_AT_ONCE):
+        fields[start : start + POINTS_AT_ONCE] = batch(slice(start, min(start + POINTS_AT_ONCE, n)))
     fields.flags.writeable = False  # so that the recovery keeps it without a copy
     return fields

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-LARGEST_INDEX = int(np.iinfo(np.int32).max)
-"""up to which indices take four bytes"""
+LARGEST_INDEX = int(np.iinfo(np.int32).max)  # up to which indices take four bytes
 
 
 def index_type(largest: int) -> Any:

@@ -25,15 +25,14 @@ from .plausibility import (
 from .progress import shown_stages
 from .responses.accuracy import solution_accuracy
 from .responses.impulse import band_of
-from .responses.modal import SMALL
+from .responses.modal import FULL_MODAL_UNKNOWNS
 from .responses.shifts import shifts
 from .solving.cost import Cost, krylov_cost
 from .solving.solver import costs
 from .sources.lines import LineSource
 from .sources.reading import read_mesh_source
 
-SHOWN = 10
-"""Frequencies that a survey looks for."""
+N_SURVEYED_FREQUENCIES = 10
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
         with stages.stage("assembly"):
             structure = assemble_on(body, source)
         with stages.stage("frequencies"):
-            frequencies = first_frequencies(structure, SHOWN)
+            frequencies = first_frequencies(structure, N_SURVEYED_FREQUENCIES)
     band = body.impulse.band or 0.25 / body.impulse.step
     return Survey(
         body=body,
@@ -142,7 +141,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
 def _cost(body: Body, structure: Structure) -> BuildCost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
     impulse = body.impulse
-    if impulse.method in ("modal", "march") or structure.n_u <= SMALL:
+    if impulse.method in ("modal", "march") or structure.n_u <= FULL_MODAL_UNKNOWNS:
         return None
     wide = structure.with_channels()
     shift, lower = shifts(wide, damping_of(body), band_of(body))

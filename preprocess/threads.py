@@ -12,8 +12,7 @@ from ..files.blas import one_blas_thread
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-LARGE = 200_000
-"""Unknowns from which on products with all vectors of a basis are worth the threads of BLAS."""
+MIN_THREADED_UNKNOWNS = 200_000  # from which on products with a basis are worth the threads of BLAS
 
 
 def blas_threads(n_u: int) -> AbstractContextManager[None]:
@@ -21,7 +20,7 @@ def blas_threads(n_u: int) -> AbstractContextManager[None]:
 
     Factors have threads of their own.
     """
-    return nullcontext() if n_u >= LARGE else one_blas_thread()
+    return nullcontext() if n_u >= MIN_THREADED_UNKNOWNS else one_blas_thread()
 
 
 def threads() -> int:

@@ -21,25 +21,13 @@ from ..files import in_one_line, require_regular
 from ..files.hdf5 import DAMAGE, require_contained, texts
 from ..files.outputs import in_words, replace_durably, resolved
 from ..superelement.validation import Array
+from .batches import Batch, EventRows
+from .contents import EARLIEST, FORMAT, VERSION, Contents, SuperelementFile
+from .dimensions import DIMENSIONS, Axes, Axis
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
-from .schema import (
-    DIMENSIONS,
-    EARLIEST,
-    EVENT_NUMBER,
-    EVENT_OF,
-    EVENTS,
-    FORMAT,
-    QUANTITIES,
-    VERSION,
-    Axes,
-    Axis,
-    Batch,
-    Contents,
-    EventRows,
-    Quantity,
-    SuperelementFile,
-)
+from .motion import EVENT_NUMBER, EVENT_OF, EVENTS, QUANTITIES
+from .quantity import Quantity
 from .source import ALL, Selection, Source
 from .space import Space
 from .space_file import put_space, read_space
@@ -474,7 +462,8 @@ def _read_contents(file: h5py.File) -> Contents:
         files = map(SuperelementFile, paths, digests)
         superelements = dict(zip(bodies, files, strict=True))
     checks = axes.pop("check", Axis(())).names
-    return Contents(axes, quantities, superelements, checks)
+    version = int(file.attrs["version"])
+    return Contents(axes, quantities, superelements, checks, version=version)
 
 
 def _strings(file: h5py.File, name: str) -> tuple[str, ...]:

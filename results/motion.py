@@ -1,80 +1,309 @@
-"""Motions of bodies, frames, joints and springs, energies and momenta over time."""
+"""What results hold: motions of bodies and frames, couplings, energies, a record for each quantity.
+
+An attribute is described once, by its `Quantity` (quantity.py); the line below it, which editors
+show, says the same, and a test compares them.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
-from .schema import EventRows
+from .batches import FURTHER_WORKS, EventRows, balance, dissipated, numerical, time_of
+from .quantity import Quantity, Recorded, joined, quantity, vector
+from .rotations import rotate
+
+_energy = partial(quantity, "J", plot="")
+"""the field of an energy, which `plot` has as "energy:NAME" """
 
 
-@dataclass(frozen=True, eq=False)
-class BodyMotion:
+class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
     """Motion of a center of mass and of body axes."""
 
-    x: Array
-    """(n, 3) position in space [m]"""
-    R: Array
-    """(n, 4) unit quaternion (w, x, y, z), body axes to space"""
-    v: Array
-    """(n, 6) velocity in space [m/s], angular velocity in body axes [rad/s]"""
-    v_dot: Array
-    """(n, 6) their derivatives"""
-    second_order_force: Array
-    """(n, r) loads on the coordinates of second order [N]; r = 0 where a body has none"""
+    x: Array = vector("m", "center of mass, in space", name="position")
+    """(n, 3) center of mass, in space [m]"""
+    R: Array = quantity(
+        "1", "unit quaternion, body to space", "quaternion", name="rotation", plot=""
+    )
+    """(n, 4) unit quaternion, body to space, the scalar first"""
+    v: Array = joined(
+        vector("m s-1", "velocity of the center of mass, in space", name="velocity"),
+        vector("rad s-1", "angular velocity, in body axes", name="angular_velocity", plot=""),
+    )
+    """(n, 6) velocity of the center of mass, in space [m/s]; angular velocity, in body axes
+    [rad/s]"""
+    v_dot: Array = joined(
+        vector(
+            "m s-2",
+            "acceleration of the center of mass, in space",
+            name="acceleration",
+            in_peaks=True,
+        ),
+        vector(
+            "rad s-2", "angular acceleration, in body axes", name="angular_acceleration", plot=""
+        ),
+    )
+    """(n, 6) acceleration of the center of mass, in space [m/s²]; angular acceleration, in body
+    axes [rad/s²]"""
+    second_order_force: Array = quantity(
+        ("N", "N"),
+        "force on each coordinate of second order, q over the root of the mass, a length",
+        of="second_order_coordinate",
+    )
+    """(n, k) force on each coordinate of second order, q over the root of the mass, a length [N];
+    k = 0 where a body has none"""
+
+    @property
+    def position(self) -> Array:
+        """(n, 3) center of mass, in space [m]"""
+        return self.x
+
+    @property
+    def rotation(self) -> Array:
+        """(n, 4) unit quaternion, body to space, the scalar first"""
+        return self.R
+
+    @property
+    def velocity(self) -> Array:
+        """(n, 3) velocity of the center of mass, in space [m/s]"""
+        return self.v[:, :3]
+
+    @property
+    def angular_velocity(self) -> Array:
+        """(n, 3) angular velocity, in space [rad/s], as `plot` draws it; in `v` in body axes"""
+        return rotate(self.R, self.v[:, 3:])
+
+    @property
+    def acceleration(self) -> Array:
+        """(n, 3) acceleration of the center of mass, in space [m/s²]"""
+        return self.v_dot[:, :3]
+
+    @property
+    def angular_acceleration(self) -> Array:
+        """(n, 3) angular acceleration, in space [rad/s²]; in `v_dot` in body axes"""
+        return rotate(self.R, self.v_dot[:, 3:])
 
 
-@dataclass(frozen=True, eq=False)
-class FrameMotion:
-    """Motion of a frame and the wrench on its body there."""
+class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
+    """Motion of a frame, and the wrench on its body there.
 
-    position: Array
-    """(n, 3) in space [m]"""
-    rotation: Array
-    """(n, 4) unit quaternion, frame axes to space"""
-    velocity: Array
-    """(n, 6) velocity [m/s] and angular velocity [rad/s], in space"""
-    acceleration: Array
-    """(n, 6) their derivatives"""
-    u: Array
-    """(n, 6) elastic displacement [m] and rotation [rad] in body axes, 0 on rigid bodies"""
-    force: Array
-    """(n, 6) force [N] and moment [N m] of joints and loads on the body, in space"""
-
-
-@dataclass(frozen=True, eq=False)
-class Coupling:
-    """Loads and coordinates of a joint, a prescribed motion or a spring.
-
-    Coordinates are attributes too, as `joint.angle`.
+    `velocity`, `acceleration` and `force` have six columns: those of a body have three.
     """
+
+    position: Array = vector("m", "origin of the frame, in space")
+    """(n, 3) origin of the frame, in space [m]"""
+    rotation: Array = quantity("1", "unit quaternion, frame to space", "quaternion", plot="")
+    """(n, 4) unit quaternion, frame to space, the scalar first"""
+    velocity: Array = joined(
+        vector("m s-1", "velocity of the origin of the frame, in space", in_vtk=True),
+        vector("rad s-1", "angular velocity, in space", name="angular_velocity", plot=""),
+    )
+    """(n, 6) velocity of the origin of the frame, in space [m/s]; angular velocity, in space
+    [rad/s]"""
+    acceleration: Array = joined(
+        vector("m s-2", "acceleration of the origin of the frame, in space"),
+        vector("rad s-2", "angular acceleration, in space", name="angular_acceleration", plot=""),
+    )
+    """(n, 6) acceleration of the origin of the frame, in space [m/s²]; angular acceleration, in
+    space [rad/s²]"""
+    u: Array = joined(
+        vector(
+            "m",
+            "elastic displacement of the interface, in body axes",
+            name="elastic_displacement",
+            role="INTERFACE",
+            in_peaks=True,
+        ),
+        vector(
+            "rad",
+            "elastic rotation vector of the interface, in body axes",
+            name="elastic_rotation",
+            role="INTERFACE",
+        ),
+    )
+    """(n, 6) elastic displacement of the interface, in body axes [m]; elastic rotation vector of
+    the interface, in body axes [rad]; 0 on rigid bodies"""
+    force: Array = joined(
+        vector(
+            "N",
+            "force of joints, springs and loads on the body, in space",
+            plot="frame_force",
+            in_vtk=True,
+        ),
+        vector(
+            "N m",
+            "moment of the same about the origin of the frame, in space",
+            name="moment",
+            plot="frame_moment",
+            in_vtk=True,
+        ),
+    )
+    """(n, 6) force of joints, springs and loads on the body, in space [N]; moment of the same about
+    the origin of the frame, in space [N m]"""
+
+    @property
+    def linear_velocity(self) -> Array:
+        """(n, 3) velocity of the origin of the frame, in space [m/s]"""
+        return self.velocity[:, :3]
+
+    @property
+    def angular_velocity(self) -> Array:
+        """(n, 3) angular velocity, in space [rad/s]"""
+        return self.velocity[:, 3:]
+
+    @property
+    def linear_acceleration(self) -> Array:
+        """(n, 3) acceleration of the origin of the frame, in space [m/s²]"""
+        return self.acceleration[:, :3]
+
+    @property
+    def angular_acceleration(self) -> Array:
+        """(n, 3) angular acceleration, in space [rad/s²]"""
+        return self.acceleration[:, 3:]
+
+    @property
+    def elastic_displacement(self) -> Array:
+        """(n, 3) elastic displacement of the interface, in body axes [m]; 0 on rigid bodies"""
+        return self.u[:, :3]
+
+    @property
+    def elastic_rotation(self) -> Array:
+        """(n, 3) elastic rotation vector of the interface, in body axes [rad]"""
+        return self.u[:, 3:]
+
+    @property
+    def applied_force(self) -> Array:
+        """(n, 3) force of joints, springs and loads on the body, in space [N]"""
+        return self.force[:, :3]
+
+    @property
+    def applied_moment(self) -> Array:
+        """(n, 3) moment of the same about the origin of the frame, in space [N m]"""
+        return self.force[:, 3:]
+
+
+class Coupling(Recorded):
+    """Loads and coordinates of a joint, a prescribed motion or a spring."""
 
     multipliers: Array
-    """(n, rows) one per row of the joint, in the order of its table [N, N m]"""
     force: Array
-    """(n, 3) on the second body, in space [N]"""
     moment: Array
-    """(n, 3) on the second body about its frame, in space [N m]"""
-    coordinates: dict[str, Array]
-    """(n,) coordinates of a joint and their rates by name.
 
-    angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the coordinate
-    and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows). Angles are continued
-    over full turns.
-    """
+    @property
+    def coordinates(self) -> dict[str, Array]:
+        """(n,) coordinates of a joint and their rates by name, attributes too, as `joint.angle`.
+
+        angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the
+        coordinate and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows).
+        """
+        others = {"multipliers", "force", "moment"}
+        return {name: array for name, array in vars(self).items() if name not in others}
 
     def __getattr__(self, name: str) -> Array:
-        coordinates: dict[str, Array] = self.__dict__.get("coordinates", {})
-        if name not in coordinates:
-            known = ", ".join(coordinates) or "none"
-            raise AttributeError(f"no coordinate {name!r}; there are: {known}")
-        return coordinates[name]
+        known = ", ".join(self.coordinates) or "none"
+        raise AttributeError(f"no coordinate {name!r}; there are: {known}")
 
 
-@dataclass(frozen=True, eq=False)
-class Events:
+class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
+    """Loads and coordinates of a joint or a prescribed motion; `coordinates` lists the latter."""
+
+    force: Array = vector(
+        "N",
+        "force on the second body, in space",
+        source="coupling_force",
+        in_peaks=True,
+        section="Forces",
+    )
+    """(n, 3) force on the second body, in space [N]"""
+    moment: Array = vector(
+        "N m", "moment on the second body, in space", source="coupling_moment", section="Forces"
+    )
+    """(n, 3) moment on the second body, in space [N m], about its frame"""
+    multipliers: Array = quantity(
+        ("N", "N m"),
+        "Lagrange multiplier of each constraint",
+        name="multiplier",
+        of="joint_constraint",
+        source="multiplier",
+    )
+    """(n, k) Lagrange multiplier of each constraint [N, N m], in the order of the joint's table"""
+    _of_coordinates: dict[str, Array] = joined(
+        quantity(
+            ("m", "rad"),
+            "value of each coordinate; angles go on over full turns",
+            name="position",
+            of="joint_coordinate",
+            attribute="{}",
+        ),
+        quantity(
+            ("m s-1", "rad s-1"),
+            "rate of each coordinate",
+            name="rate",
+            of="joint_coordinate",
+            attribute="{}_rate",
+        ),
+        quantity(
+            ("N", "N m"),
+            "friction, on the coordinate",
+            name="friction",
+            of="joint_with_friction",
+            attribute="{}",
+            source="friction_force",
+        ),
+        quantity(
+            ("1", "1"),
+            "0 before the first step, 1 sticks, 2 slips",
+            name="friction_state",
+            of="joint_with_friction",
+            attribute="{}_state",
+            source="friction_state",
+            integer=True,
+            states="1 sticks, 2 slips",
+        ),
+    )
+
+
+class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
+    """Loads of a spring; `coordinates["coordinates"]` (n, rows) has its lengths and angles."""
+
+    force: Array = vector("N", "force on the second body, in space", source="coupling_force")
+    """(n, 3) force on the second body, in space [N]"""
+    moment: Array = vector("N m", "moment on the second body, in space", source="coupling_moment")
+    """(n, 3) moment on the second body, in space [N m], about its frame"""
+    multipliers: Array = quantity(
+        ("N", "N m"),
+        "force or moment of each component",
+        name="multiplier",
+        of="spring_component",
+        source="multiplier",
+    )
+    """(n, k) force or moment of each component [N, N m]"""
+    _of_coordinates: dict[str, Array] = quantity(
+        ("m", "rad"),
+        "length or angle of each component",
+        name="coordinate",
+        of="spring_component",
+        attribute="coordinates",
+        source="coordinate",
+    )
+
+
+class CouplerMotion(Recorded, group="couplers", owner="coupler"):
+    """What a coupler does between joint coordinates."""
+
+    force: Array = quantity(
+        ("N", "N m"),
+        "on the first coordinate; on each other one times its ratio over the first",
+        source="multiplier",
+        words=("force", "moment"),
+        section="Forces",
+    )
+    """(n,) on the first coordinate; on each other one times its ratio over the first [N, N m]"""
+
+
+class Events(Recorded, group="events", rows="event"):
     """Each time that a contact or stop was closed (m,), in order, counted at every step.
 
     A contact that was still closed at the end of the run is the last, with its end there and no
@@ -82,28 +311,37 @@ class Events:
     has a closing speed of 0.
     """
 
-    start: Array
-    """time when it closed [s]"""
-    end: Array
-    """time when it opened [s]"""
-    steps: Array
-    """steps at whose end it was closed"""
-    peak: Array
-    """largest normal force [N], of a stop of an angle moment [N m]"""
-    impulse: Array
-    """integral of the same over time [N s, N m s]"""
-    closing_speed: Array
-    """[m/s, rad/s]"""
-    opening_speed: Array
-    restitution: Array
-    """opening speed over closing speed, 0 where that is 0"""
-    dissipated: Array
-    """energy that it took, friction included [J]"""
+    start: Array = quantity("s", "time when it closed")
+    """(m,) time when it closed [s]"""
+    end: Array = quantity("s", "time when it opened, or the run ended")
+    """(m,) time when it opened, or the run ended [s]"""
+    steps: Array = quantity("1", "steps at whose end it was closed", integer=True)
+    """(m,) steps at whose end it was closed"""
+    peak: Array = quantity(("N", "N m"), "largest normal force")
+    """(m,) largest normal force [N, N m], of a stop of an angle the moment"""
+    impulse: Array = quantity(("N s", "N m s"), "integral of the normal force over time")
+    """(m,) integral of the normal force over time [N s, N m s]"""
+    closing_speed: Array = quantity(
+        ("m s-1", "rad s-1"), "speed of approach; 0: closed from the start"
+    )
+    """(m,) speed of approach; 0: closed from the start [m/s, rad/s]"""
+    opening_speed: Array = quantity(
+        ("m s-1", "rad s-1"), "speed of departure; no number: still closed"
+    )
+    """(m,) speed of departure; no number: still closed [m/s, rad/s]"""
+    restitution: Array = quantity("1", "opening speed over closing speed")
+    """(m,) opening speed over closing speed, 0 where that is 0"""
+    dissipated: Array = quantity("J", "energy that it took, friction included")
+    """(m,) energy that it took, friction included [J]"""
 
     @classmethod
     def by_owner(cls, rows: EventRows, names: Sequence[str]) -> "dict[str, Events]":
         """Those of each owner, of which the names are given in the order of their numbers."""
-        return {name: cls(*rows.values[rows.owner == k].T) for k, name in enumerate(names)}
+        columns = [quantity.attribute for quantity in cls.quantities]
+        return {
+            name: cls(dict(zip(columns, rows.values[rows.owner == k].T, strict=True)))
+            for k, name in enumerate(names)
+        }
 
     def __len__(self) -> int:
         return len(self.start)
@@ -130,128 +368,260 @@ class Events:
         return int(steps.min()) if len(steps) else None
 
     def __str__(self) -> str:
-        names = [own.name for own in fields(self)]
+        names = [quantity.attribute for quantity in self.quantities]
         columns = [[name, *(f"{x:.6g}" for x in getattr(self, name))] for name in names]
         widths = [max(map(len, column)) for column in columns]
         rows = zip(*columns, strict=True)
         return "\n".join("  ".join(map(str.rjust, row, widths)) for row in rows)
 
 
-@dataclass(frozen=True, eq=False)
-class PatternMotion:
+class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
+    """What happens between the ball and the shape of a contact."""
+
+    events: Events
+    """each time that it was closed, counted at every step"""
+    gap: Array = quantity("m", "gap, negative where it is closed", source="gap", section="Contacts")
+    """(n,) gap, negative where it is closed [m]"""
+    force: Array = quantity(
+        "N", "force on the second body, along normal and tangents", "contact_axis", plot=""
+    )
+    """(n, 3) force on the second body, along normal and tangents [N], t2 = normal x t1"""
+    normal: Array = vector(
+        "1", "normal of the shape, towards the second body, in space", plot="contact_normal"
+    )
+    """(n, 3) normal of the shape, towards the second body, in space"""
+    point: Array = vector(
+        "m", "point of the ball nearest to the shape, in space", plot="contact_point"
+    )
+    """(n, 3) point of the ball nearest to the shape, in space [m]"""
+    slip: Array = quantity(
+        "m s-1", "rates of slip of the second body, 0 where it is open", "tangent_axis"
+    )
+    """(n, 2) rates of slip of the second body, 0 where it is open [m/s], along t1 and t2"""
+    state: Array = quantity(
+        "1",
+        "0 open, 1 closed or sticks, 2 slips",
+        integer=True,
+        states="0 open, 1 closed, 2 slips",
+        plot="contact_state",
+    )
+    """(n,) 0 open, 1 closed or sticks, 2 slips"""
+    impulse: Array = quantity(
+        "N s",
+        "integral of the normal force since t = 0",
+        source="normal_impulse",
+        since=8,
+        in_peaks=True,
+    )
+    """(n,) integral of the normal force since t = 0 [N s], counted at every step; not in files
+    before version 8"""
+
+
+class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
+    """What happens at a stop of a joint coordinate."""
+
+    events: Events
+    """each time that it was closed, counted at every step"""
+    gap: Array = quantity(
+        ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap"
+    )
+    """(n,) distance to the nearer limit, negative beyond it [m, rad]"""
+    force: Array = quantity(
+        ("N", "N m"), "force or moment on the coordinate", source="normal_force", plot=""
+    )
+    """(n,) force or moment on the coordinate [N, N m]"""
+    state: Array = quantity(
+        "1", "0 open, 1 closed", source="contact_state", integer=True, plot="contact_state"
+    )
+    """(n,) 0 open, 1 closed"""
+    impulse: Array = quantity(
+        ("N s", "N m s"),
+        "integral of the force or moment since t = 0",
+        source="normal_impulse",
+        since=8,
+        words=("impulse", "angular impulse"),
+    )
+    """(n,) integral of the force or moment since t = 0 [N s, N m s], counted at every step; not in
+    files before version 8"""
+
+
+class PatternMotion(Recorded, group="patterns", owner="pattern"):
     """A load pattern of a body over time."""
 
-    load: Array
-    """(n,) its amplitude"""
-    displacement: Array
-    """(n,) the elastic displacement that the amplitude does work on, int t . u dA [J]"""
+    load: Array = quantity("1", "amplitude of each load pattern", words="amplitude of the load")
+    """(n,) amplitude of each load pattern"""
+    displacement: Array = quantity(
+        "J",
+        "elastic displacement that the amplitude 1 does work on",
+        words="elastic displacement under the load",
+    )
+    """(n,) elastic displacement that the amplitude 1 does work on [J], int t . u dA"""
 
 
-@dataclass(frozen=True, eq=False)
-class SensorMotion:
+class SensorMotion(Recorded, group="sensors", owner="sensor"):
     """What a sensor reads: of a point (n, 3), of a strain gauge (n, 1), stresses (n, 6).
 
     In body axes; stresses in the order xx, yy, zz, yz, xz, xy.
     """
 
-    value: Array
-    """elastic displacement [m], strain [1] or stress [Pa]"""
-    rate: Array
-    """its derivative by time"""
-    acceleration: Array
-    """of a point that in space, as an accelerometer reads it without gravity [m/s^2]; of a gauge
-    the second derivative"""
+    value: Array = quantity(
+        ("m", "1", "Pa"),
+        "elastic displacement, strain or stress, in body axes",
+        of="sensor_channel",
+    )
+    """(n, k) elastic displacement, strain or stress, in body axes [m, 1, Pa]"""
+    rate: Array = quantity(("m s-1", "s-1", "Pa s-1"), "rate of the same", of="sensor_channel")
+    """(n, k) rate of the same [m/s, 1/s, Pa/s]"""
+    acceleration: Array = quantity(
+        ("m s-2", "s-2", "Pa s-2"),
+        "acceleration in space of a point, in body axes; second derivative of strain or stress",
+        of="sensor_channel",
+    )
+    """(n, k) acceleration in space of a point, in body axes; second derivative of strain or stress
+    [m/s², 1/s², Pa/s²]. An accelerometer reads that of a point, without gravity."""
 
 
-@dataclass(frozen=True, eq=False)
-class ContactMotion:
-    """What happens between the ball and the shape of a contact."""
-
-    gap: Array
-    """(n,) [m], negative where it is closed"""
-    force: Array
-    """(n, 3) on the second body, along the normal and the tangents t1, t2 = normal x t1 [N]"""
-    normal: Array
-    """(n, 3) of the shape, towards the second body, in space"""
-    point: Array
-    """(n, 3) point of the ball nearest to the shape, in space [m]"""
-    slip: Array
-    """(n, 2) rates of slip of the second body along t1 and t2 [m/s], 0 where it is open"""
-    state: Array
-    """(n,) 0 open, 1 closed or sticks, 2 slips"""
-    events: Events
-    impulse: Array = field(default_factory=lambda: np.empty(0))
-    """(n,) integral of the normal force since t = 0 [N s], counted at every step; (0,) of files
-    before version 8"""
-
-
-@dataclass(frozen=True, eq=False)
-class StopMotion:
-    """What happens at a stop of a joint coordinate."""
-
-    gap: Array
-    """(n,) distance to the nearer limit [m, rad], negative beyond it"""
-    force: Array
-    """(n,) on the coordinate [N, N m]"""
-    state: Array
-    """(n,) 0 open, 1 closed"""
-    events: Events
-    impulse: Array = field(default_factory=lambda: np.empty(0))
-    """(n,) integral of the force since t = 0 [N s, N m s], as that of a contact"""
-
-
-@dataclass(frozen=True, eq=False)
-class CouplerMotion:
-    """What a coupler does between joint coordinates."""
-
-    force: Array
-    """(n,) on the first coordinate, a moment on an angle [N, N m]; on each other one times its
-    ratio over the first"""
-
-
-@dataclass(frozen=True, eq=False)
-class MotorMotion:
+class MotorMotion(Recorded, group="motors", owner="motor"):
     """What a motor does."""
 
-    torque: Array
-    """(n,) on the coordinate [N m]; of a distance the force [N]"""
-    reference: Array
-    """(n,) [rad, m]"""
-    error: Array
-    """(n,) reference less coordinate [rad, m]; both 0 where no position is followed"""
-    power: Array
-    """(n,) that it gives [W]"""
-    work: Array
-    """(n,) since t = 0 [J]"""
-    state: Array
+    torque: Array = quantity(
+        ("N", "N m"),
+        "force or torque on the coordinate",
+        words=("force", "torque"),
+        section="Motors",
+    )
+    """(n,) force or torque on the coordinate [N, N m]"""
+    reference: Array = quantity(("m", "rad"), "reference, 0 where no position is followed")
+    """(n,) reference, 0 where no position is followed [m, rad]"""
+    error: Array = quantity(
+        ("m", "rad"), "reference less coordinate, 0 where no position is followed"
+    )
+    """(n,) reference less coordinate, 0 where no position is followed [m, rad]"""
+    power: Array = quantity("W", "power that it gives", section="Motors")
+    """(n,) power that it gives [W]"""
+    work: Array = quantity("J", "work since t = 0")
+    """(n,) work since t = 0 [J]"""
+    state: Array = quantity(
+        "1",
+        "-1 at the lower limit, 1 at the upper one, 0 between them",
+        integer=True,
+        states="-1, 1 at a limit",
+    )
     """(n,) -1 at the lower limit, 1 at the upper one, 0 between them"""
 
 
-@dataclass(frozen=True, eq=False)
-class Energy:
+class Energy(Recorded, group="energy"):
     """Energies over time (n,) [J].
 
-    kinetic (of the rigid motion), elastic (vibration included), springs (contacts too), potential
-    (gravity), work (of loads, drives and motors), dissipated (by dampers, contacts, friction and
-    modal damping), numerical (taken by time stepping from the modes); balance: the sum of all but
-    work, less work and less its value at t = 0. elastic of a body whose kernel is convolved is the
-    work of its interface loads, with what damping and time stepping have taken of it. Where it
-    falls below zero, or numerical does, the convolution has created energy.
+    `elastic` of a body whose kernel is convolved is the work of its interface loads, with what
+    damping and time stepping have taken of it. Where it falls below zero, or `numerical` does, the
+    convolution has created energy. `plot` has each as "energy:NAME".
     """
 
-    kinetic: Array
-    elastic: Array
-    springs: Array
-    potential: Array
-    work: Array
-    dissipated: Array
-    numerical: Array
-    balance: Array
+    kinetic: Array = _energy("kinetic energy of the rigid motions", name="kinetic_energy")
+    """(n,) kinetic energy of the rigid motions [J]"""
+    elastic: Array = _energy(
+        "elastic energy of flexible bodies, vibration included", name="elastic_energy"
+    )
+    """(n,) elastic energy of flexible bodies, vibration included [J]"""
+    springs: Array = _energy(
+        "energy stored in springs, contacts and friction",
+        name="spring_energy",
+        words="energy of springs",
+    )
+    """(n,) energy stored in springs, contacts and friction [J]"""
+    potential: Array = _energy("potential energy of gravity", name="potential_energy")
+    """(n,) potential energy of gravity [J]"""
+    work: Array = _energy(
+        "work of loads, drives and motors since t = 0",
+        name="external_work",
+        words="work from outside",
+    )
+    """(n,) work of loads, drives and motors since t = 0 [J]"""
+    dissipated: Array = _energy(
+        "energy taken by dampers and modal damping since t = 0",
+        name="dissipated_energy",
+        derive=dissipated,
+    )
+    """(n,) energy taken by dampers and modal damping since t = 0 [J], by contacts and friction
+    too"""
+    numerical: Array = _energy(
+        "energy that time stepping took from the modes since t = 0",
+        name="numerical_dissipation",
+        derive=numerical,
+    )
+    """(n,) energy that time stepping took from the modes since t = 0 [J]"""
+    balance: Array = _energy(
+        "change of all energies since t = 0, and both dissipations, less external work",
+        name="energy_balance",
+        derive=balance,
+    )
+    """(n,) change of all energies since t = 0, and both dissipations, less external work [J]"""
 
 
-@dataclass(frozen=True, eq=False)
-class Momentum:
-    """Linear (n, 3) [kg m/s] and angular momentum about the origin (n, 3) [kg m^2/s], in space."""
+class Momentum(Recorded, group="momentum"):
+    """Momenta of all bodies over time."""
 
-    linear: Array
-    angular: Array
+    linear: Array = vector(
+        "kg m s-1", "momentum of all bodies, in space", name="linear_momentum", words="momentum"
+    )
+    """(n, 3) momentum of all bodies, in space [kg m/s]"""
+    angular: Array = vector(
+        "kg m2 s-1", "angular momentum about the origin, in space", name="angular_momentum"
+    )
+    """(n, 3) angular momentum about the origin, in space [kg m²/s]"""
+
+
+class Solution(Recorded, group="solver"):
+    """How the equations of the steps were solved."""
+
+    iterations: Array = quantity(
+        "1",
+        "iterations of Newton's method",
+        name="newton_iterations",
+        integer=True,
+        words="Newton iterations",
+    )
+    """(n,) iterations of Newton's method"""
+    residual: Array = quantity(
+        "1",
+        "relative residual at the end of the step",
+        name="newton_residual",
+        words="Newton residual",
+    )
+    """(n,) relative residual at the end of the step"""
+
+
+TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
+OWNERS = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
+"""the dimension of the owners of a group, in the order in which results list them"""
+OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
+QUANTITIES = (TIME, *(quantity for kind in OF_STEPS for quantity in kind.quantities))
+EVENTS = Events.quantities
+"""the numbers of an event, in the order of the time loop"""
+EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
+EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
+    "of", rows="event"
+)
+SHARED = {
+    "stop": "contact",
+    "joint": "coupling",
+    "spring": "coupling",
+    "joint_constraint": "row",
+    "spring_component": "row",
+    "coupler": "row",
+}
+"""dimensions that couplings share in the time loop"""
+
+
+def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
+    """The arrays that the time loop fills: dimensions, and True for integers, by name."""
+    fields = {
+        quantity.source: (
+            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
+            quantity.integer,
+        )
+        for quantity in QUANTITIES
+        if quantity.source
+    }
+    return fields | dict.fromkeys(FURTHER_WORKS, (("time",), False))

@@ -11,11 +11,11 @@ from ..superelement import Outline, Recovery, Superelement, SuperelementError
 from ..superelement.figures import box
 from ..superelement.validation import Array
 from .blend import Blend
+from .contents import SuperelementFile
 from .errors import RecoveryError, ResultsError
 from .motion import BodyMotion, FrameMotion
 from .recovery import in_space, instants
 from .rotations import inverse
-from .schema import SuperelementFile
 from .space import Place, Space
 
 Source = Literal["rigid", "recovery", "interfaces"]

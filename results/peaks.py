@@ -15,17 +15,6 @@ from .steps import batches
 from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
 
-UNASKED = (
-    "acceleration",
-    "sensor_acceleration",
-    "force",
-    "normal_force",
-    "impulse",
-    "elastic_displacement",
-    "strain",
-    "stress",
-)
-"""the kinds of quantities of a table for which none are named"""
 SPACE = 3
 """components of a vector, at most: stresses have more, and no length"""
 STRESS = "von_mises:"
@@ -154,10 +143,11 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
 def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
     """Those of the kinds that are looked at unasked, of all that the run recorded of them."""
     found: list[Peak] = []
-    for kind in UNASKED:
-        with suppress(QuantityError):
-            everything = ":".join([kind, *("*" for _ in KINDS[kind].names)])
-            found += _alike(results, everything, gravities)
+    for name, kind in KINDS.items():
+        if kind.in_peaks:
+            with suppress(QuantityError):
+                everything = ":".join([name, *("*" for _ in kind.names)])
+                found += _alike(results, everything, gravities)
     if not found:
         raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
     return tuple(found)

@@ -3,35 +3,67 @@
     angular_velocity:hub:z          displacement:beam.tip:hub.rim:y          energy:kinetic
 
 All vectors are (n, 3), one row for each recorded step, and in space unless said otherwise; those
-across a contact are (n, 2), along its tangents t1 and t2.
+across a contact are (n, 2), along its tangents t1 and t2. What was recorded has the name that its
+record gives it (motion.py); a few kinds more are computed here.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..superelement.sensor import KINDS as KINDS_OF_SENSORS
+from ..superelement.sensor import KINDS as CHANNELS
 from ..superelement.validation import Array
+from .contents import attributes_of
+from .dimensions import DIMENSIONS
 from .errors import QuantityError
-from .motion import ContactMotion, Coupling, MotorMotion, StopMotion
+from .motion import OWNERS, QUANTITIES, BodyMotion, Energy, FrameMotion
+from .quantity import Quantity, lacking, readable
 from .results import Results
 from .rotations import inverse, product, rotate, twists
 
-AXES = ("x", "y", "z")
-TANGENTS = ("t1", "t2")
-STRESSES = KINDS_OF_SENSORS["stress"]
+AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
+UNITS_ABOUT_AXES = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
+"""units of vectors about an axis; others are along one"""
+BODY_OR_FRAME = "BODY|FRAME"
 
 
-def position(results: Results, name: str) -> Array:
-    """Position of the center of mass of a body, or of the origin of a frame [m]."""
-    return results.body(name).x if _is_body(results, name) else results.frame(name).position
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: its function of results and names, its unit, and how it is named."""
 
+    values: Callable[..., Array]
+    units: tuple[str, ...]
+    """the one that it has, or those that it may have"""
+    names: tuple[str, ...]
+    """the meaning of each name"""
+    description: str
+    axes: tuple[str, ...] = AXES
+    """of its components; none: a scalar"""
+    unit_of: Callable[..., str] | None = None
+    """of the results and the names, where it may have several"""
+    words: tuple[str, ...] = ()
+    """its name in a legend, if it is not this one; a second one is that of moments, where the first
+    is that of forces"""
+    along: str | None = None
+    """what stands between that name and the axis, if not "about" or "along" by its unit"""
+    states: str = ""
+    """what its whole numbers mean"""
+    in_peaks: bool = False
+    """whether a table of peaks has it unasked"""
+    section: str = ""
+    """of the report that draws it unasked"""
 
-def rotation(results: Results, name: str) -> Array:
-    """The axes of a body or a frame to space, (n, 4) unit quaternion."""
-    return results.body(name).R if _is_body(results, name) else results.frame(name).rotation
+    @property
+    def preposition(self) -> str:
+        """What stands between its name and the axis."""
+        if self.along is not None:
+            return self.along
+        return "about" if self.units[0] in UNITS_ABOUT_AXES else "along"
+
+    def unit(self, results: Results, *names: str) -> str:
+        return self.unit_of(results, *names) if self.unit_of else self.units[0]
 
 
 def angle(results: Results, name: str) -> Array:
@@ -41,30 +73,21 @@ def angle(results: Results, name: str) -> Array:
     next after several. Each column is the twist about its axis (`twists`): for a body that turns
     about one axis, its angle.
     """
-    q, omega = rotation(results, name), angular_velocity(results, name)
+    motion = _moving(results, name)
+    q, omega = motion.rotation, motion.angular_velocity
     steps = 0.5 * np.diff(results.time)[:, None] * (omega[1:] + omega[:-1])
     expected = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
     return twists(product(q, inverse(q[0])), expected)
 
 
-def velocity(results: Results, name: str) -> Array:
-    """Velocity of the center of mass of a body, or of the origin of a frame [m/s]."""
-    return _velocities(results, name)[:, :3]
-
-
-def acceleration(results: Results, name: str) -> Array:
-    """Acceleration of the center of mass of a body, or of the origin of a frame [m/s^2]."""
-    return _accelerations(results, name)[:, :3]
-
-
 def angular_velocity(results: Results, name: str) -> Array:
     """Angular velocity R omega of a body, or that of a frame [rad/s]."""
-    return _in_space(results, name, _velocities(results, name)[:, 3:])
+    return _moving(results, name).angular_velocity
 
 
 def angular_acceleration(results: Results, name: str) -> Array:
     """Angular acceleration d/dt (R omega) = R omega_dot of a body, or of a frame [rad/s^2]."""
-    return _in_space(results, name, _accelerations(results, name)[:, 3:])
+    return _moving(results, name).angular_acceleration
 
 
 def displacement(results: Results, name: str, seen_from: str) -> Array:
@@ -75,178 +98,17 @@ def displacement(results: Results, name: str, seen_from: str) -> Array:
     With the tip of a beam seen from the frame of the hub that carries it, this is the tip
     deflection, eq. (96).
     """
-    apart = position(results, name) - position(results, seen_from)
-    seen = rotate(inverse(rotation(results, seen_from)), apart)
-    change: Array = seen - seen[0]
+    seen, reference = _moving(results, name), _moving(results, seen_from)
+    apart = seen.position - reference.position
+    found = rotate(inverse(reference.rotation), apart)
+    change: Array = found - found[0]
     return change
-
-
-def elastic_displacement(results: Results, interface: str) -> Array:
-    """Elastic displacement of an interface, in the axes of its body [m]."""
-    return _elastic(results, interface)[:, :3]
-
-
-def elastic_rotation(results: Results, interface: str) -> Array:
-    """Elastic rotation vector of an interface, in the axes of its body [rad]."""
-    return _elastic(results, interface)[:, 3:]
-
-
-def force(results: Results, coupling: str) -> Array:
-    """Force of a joint or spring on the second of its frames [N]."""
-    return _coupling(results, coupling).force
-
-
-def moment(results: Results, coupling: str) -> Array:
-    """Moment of a joint or spring on the second of its frames, about it [N m]."""
-    return _coupling(results, coupling).moment
 
 
 def coordinate(results: Results, joint: str, name: str) -> Array:
     """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,)."""
-    coordinates = results.joint(_known("joint", joint, results.joints)).coordinates
-    return coordinates[_known(f"coordinate of {joint}", name, coordinates)]
-
-
-def coordinate_unit(results: Results, joint: str, name: str) -> str:
-    """The unit of a coordinate or of its rate."""
-    return results.unit("joints", joint, name).replace(" s-1", "/s")
-
-
-def gap(results: Results, contact: str) -> Array:
-    """The gap of a contact, or the distance of a stop to its nearer limit (n,) [m, rad]."""
-    return _contact(results, contact).gap
-
-
-def normal_force(results: Results, contact: str) -> Array:
-    """The force along the normal of a contact, or of a stop on its coordinate (n,) [N, N m]."""
-    force = _contact(results, contact).force
-    return force if force.ndim == 1 else force[:, 0]
-
-
-def impulse(results: Results, contact: str) -> Array:
-    """The integral of the normal force of a contact or stop since t = 0 (n,) [N s, N m s]."""
-    found = _contact(results, contact).impulse
-    if len(found) < len(results.time):
-        raise QuantityError(
-            f"{results.name} is of an earlier version, which has the impulse of each event alone"
-        )
-    return found
-
-
-def friction_force(results: Results, contact: str) -> Array:
-    """Friction of a contact on the second body, along t1 and t2 (n, 2) [N]."""
-    return _touching(results, contact).force[:, 1:]
-
-
-def slip(results: Results, contact: str) -> Array:
-    """Rates of slip of the second body of a contact, along t1 and t2 (n, 2) [m/s]."""
-    return _touching(results, contact).slip
-
-
-def contact_state(results: Results, contact: str) -> Array:
-    """Of a contact or stop: 0 open, 1 closed or sticks, 2 slips (n,)."""
-    return _contact(results, contact).state
-
-
-def coupler_force(results: Results, coupler: str) -> Array:
-    """Force or moment of a coupler on its first coordinate (n,)."""
-    return results.coupler(_known("coupler", coupler, results.couplers)).force
-
-
-def coupler_force_unit(results: Results, coupler: str) -> str:
-    return results.unit("couplers", coupler, "force")
-
-
-def gap_unit(results: Results, contact: str) -> str:
-    return _contact_unit(results, contact, "gap")
-
-
-def normal_force_unit(results: Results, contact: str) -> str:
-    return _contact_unit(results, contact, "force")
-
-
-def impulse_unit(results: Results, contact: str) -> str:
-    return _contact_unit(results, contact, "impulse")
-
-
-def _contact_unit(results: Results, contact: str, attribute: str) -> str:
-    return results.unit("stops" if contact in results.stops else "contacts", contact, attribute)
-
-
-def strain(results: Results, sensor: str) -> Array:
-    """The strain of a gauge (n,)."""
-    return _reading(results, sensor, "strain")[:, 0]
-
-
-def stress(results: Results, sensor: str) -> Array:
-    """The stresses of a sensor, in the axes of its body (n, 6) [Pa]."""
-    return _reading(results, sensor, "stress")
-
-
-def sensor_displacement(results: Results, sensor: str) -> Array:
-    """Elastic displacement of a sensor's point, in the axes of its body [m]."""
-    return _reading(results, sensor, "motion")
-
-
-def sensor_acceleration(results: Results, sensor: str) -> Array:
-    """Acceleration in space of a sensor's point, in the axes of its body [m/s^2]."""
-    _reading(results, sensor, "motion")
-    return results.sensor(sensor).acceleration
-
-
-def pattern_load(results: Results, pattern: str) -> Array:
-    """The amplitude of a load pattern (n,)."""
-    return results.pattern(_known("load pattern", pattern, sorted(results.patterns))).load
-
-
-def motor_torque(results: Results, motor: str) -> Array:
-    """The torque of a motor, or its force, on its coordinate (n,) [N m, N]."""
-    return _motor(results, motor).torque
-
-
-def motor_reference(results: Results, motor: str) -> Array:
-    """The reference of a motor (n,) [rad, m]."""
-    return _motor(results, motor).reference
-
-
-def motor_error(results: Results, motor: str) -> Array:
-    """The reference of a motor less its coordinate (n,) [rad, m]."""
-    return _motor(results, motor).error
-
-
-def motor_power(results: Results, motor: str) -> Array:
-    """The power that a motor gives (n,) [W]."""
-    return _motor(results, motor).power
-
-
-def motor_work(results: Results, motor: str) -> Array:
-    """The work of a motor since t = 0 (n,) [J]."""
-    return _motor(results, motor).work
-
-
-def motor_state(results: Results, motor: str) -> Array:
-    """Of a motor: -1 at its lower limit, 1 at the upper one, 0 between them (n,)."""
-    return _motor(results, motor).state
-
-
-def motor_torque_unit(results: Results, motor: str) -> str:
-    return results.unit("motors", motor, "torque")
-
-
-def motor_angle_unit(results: Results, motor: str) -> str:
-    return results.unit("motors", motor, "reference")
-
-
-def linear_momentum(results: Results) -> Array:
-    """Momentum of all bodies [kg m/s]."""
-    _recorded(results, "momentum", "linear")
-    return results.momentum.linear
-
-
-def angular_momentum(results: Results) -> Array:
-    """Angular momentum of all bodies about the origin [kg m^2/s]."""
-    _recorded(results, "momentum", "angular")
-    return results.momentum.angular
+    _coordinate(results, joint, name)
+    return results.joint(joint).coordinates[name]
 
 
 def energy(results: Results, name: str) -> Array:
@@ -255,54 +117,200 @@ def energy(results: Results, name: str) -> Array:
     return values
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of quantity: its function of results and names, and its unit."""
-
-    values: Callable[..., Array]
-    unit: str | Callable[..., str]
-    """or a function of the results and the names"""
-    names: tuple[str, ...]
-    """the meaning of each name"""
-    axes: tuple[str, ...] = AXES
-    """of its components; none: a scalar"""
+def _coordinate(results: Results, joint: str, name: str) -> Quantity:
+    """The record of a coordinate of a joint."""
+    found = _coordinates(results, _known("joint", joint, results.joints))
+    return found[_known(f"coordinate of {joint}", name, found)]
 
 
-KINDS = {
-    "position": Kind(position, "m", ("BODY|FRAME",)),
-    "displacement": Kind(displacement, "m", ("BODY|FRAME", "BODY|FRAME")),
-    "velocity": Kind(velocity, "m/s", ("BODY|FRAME",)),
-    "acceleration": Kind(acceleration, "m/s²", ("BODY|FRAME",)),
-    "angle": Kind(angle, "rad", ("BODY|FRAME",)),
-    "angular_velocity": Kind(angular_velocity, "rad/s", ("BODY|FRAME",)),
-    "angular_acceleration": Kind(angular_acceleration, "rad/s²", ("BODY|FRAME",)),
-    "elastic_displacement": Kind(elastic_displacement, "m", ("INTERFACE",)),
-    "elastic_rotation": Kind(elastic_rotation, "rad", ("INTERFACE",)),
-    "force": Kind(force, "N", ("JOINT|SPRING",)),
-    "moment": Kind(moment, "N m", ("JOINT|SPRING",)),
-    "coordinate": Kind(coordinate, coordinate_unit, ("JOINT", "COORDINATE"), axes=()),
-    "coupler_force": Kind(coupler_force, coupler_force_unit, ("COUPLER",), axes=()),
-    "gap": Kind(gap, gap_unit, ("CONTACT|STOP",), axes=()),
-    "normal_force": Kind(normal_force, normal_force_unit, ("CONTACT|STOP",), axes=()),
-    "impulse": Kind(impulse, impulse_unit, ("CONTACT|STOP",), axes=()),
-    "friction_force": Kind(friction_force, "N", ("CONTACT",), axes=TANGENTS),
-    "slip": Kind(slip, "m/s", ("CONTACT",), axes=TANGENTS),
-    "contact_state": Kind(contact_state, "1", ("CONTACT|STOP",), axes=()),
-    "strain": Kind(strain, "1", ("SENSOR",), axes=()),
-    "stress": Kind(stress, "Pa", ("SENSOR",), axes=STRESSES),
-    "sensor_displacement": Kind(sensor_displacement, "m", ("SENSOR",)),
-    "sensor_acceleration": Kind(sensor_acceleration, "m/s²", ("SENSOR",)),
-    "pattern_load": Kind(pattern_load, "1", ("PATTERN",), axes=()),
-    "motor_torque": Kind(motor_torque, motor_torque_unit, ("MOTOR",), axes=()),
-    "motor_reference": Kind(motor_reference, motor_angle_unit, ("MOTOR",), axes=()),
-    "motor_error": Kind(motor_error, motor_angle_unit, ("MOTOR",), axes=()),
-    "motor_power": Kind(motor_power, "W", ("MOTOR",), axes=()),
-    "motor_work": Kind(motor_work, "J", ("MOTOR",), axes=()),
-    "motor_state": Kind(motor_state, "1", ("MOTOR",), axes=()),
-    "linear_momentum": Kind(linear_momentum, "kg m/s", ()),
-    "angular_momentum": Kind(angular_momentum, "kg m²/s", ()),
-    "energy": Kind(energy, "J", ("ENERGY",), axes=()),
+def _coordinates(results: Results, joint: str) -> dict[str, Quantity]:
+    """The records of the coordinates of a joint, by their names."""
+    contents = results.contents
+    found = attributes_of(contents.quantities, contents.axes, "joints", joint)
+    return {name: quantity for name, quantity, _ in found if "{}" in quantity.attribute}
+
+
+def _moving(results: Results, name: str) -> BodyMotion | FrameMotion:
+    _known_in_roles(results, BODY_OR_FRAME, name)
+    return results.body(name) if name in results.bodies else results.frame(name)
+
+
+def _role(record: Quantity) -> str:
+    """The names that a record takes in `plot`: none where it is of the whole run."""
+    return record.role or (OWNERS[record.group].upper() if record.group in OWNERS else "")
+
+
+def _record(records: Sequence[Quantity], results: Results, *owner: str) -> Quantity:
+    """That of the records, as those of bodies and frames, which is of an owner."""
+    if owner:
+        _known_in_roles(results, "|".join(map(_role, records)), *owner)
+        records = [one for one in records if owner[0] in names_in_role(results, _role(one))]
+    record, contents = records[0], results.contents
+    if record in contents.quantities:
+        return record
+    if not any(one.group == record.group for one in contents.quantities):
+        raise QuantityError(f"no {record.group} {record.attribute!r}; there are: none")
+    raise QuantityError(lacking(results.name, contents.version, repr(record.name), record.since))
+
+
+def _recorded(
+    names: Iterable[str], made: Callable[[Array], Array] = lambda values: values, **more: Any
+) -> Kind:
+    """What was recorded as these variables, of which each is of other owners.
+
+    made: of their values; more: what is not as the records have it.
+    """
+    records = [one for name in names for one in QUANTITIES if one.name == name]
+    first = records[0]
+
+    def values(results: Results, *owner: str) -> Array:
+        record = _record(records, results, *owner)
+        return made(results.variable(record.name, owner="".join(owner)))
+
+    def unit_of(results: Results, *owner: str) -> str:
+        record, axes = _record(records, results, *owner), results.contents.axes
+        entries = record.entries(axes, *owner) if owner else slice(None)
+        return readable("".join(record.units(axes, entries)[:1]))
+
+    return Kind(
+        values,
+        tuple(dict.fromkeys(readable(unit) for one in records for unit in one.all_units)),
+        ("|".join(map(_role, records)),) if _role(first) else (),
+        **{
+            "description": "; ".join(dict.fromkeys(one.description for one in records)),
+            "axes": first.components,
+            "unit_of": unit_of,
+            "words": max(map(_words, records), key=len),
+            "states": first.states,
+            "in_peaks": any(one.in_peaks for one in records),
+            "section": first.section,
+            **more,
+        },
+    )
+
+
+def _of_sensor(
+    kind: str, unit: str, description: str, variable: str = "sensor_value", **more: Any
+) -> Kind:
+    """What sensors of a kind read."""
+    channels = CHANNELS[kind]
+
+    def values(results: Results, name: str) -> Array:
+        _known_in_roles(results, "SENSOR", name)
+        found = results.variable(variable, owner=name)
+        if found.shape[1] != len(channels):
+            (other,) = (own for own, axes in CHANNELS.items() if len(axes) == found.shape[1])
+            raise QuantityError(f"sensor {name!r} reads {other}, not {kind}")
+        return found if len(channels) > 1 else found[:, 0]
+
+    axes = channels if len(channels) > 1 else ()
+    return Kind(values, (unit,), ("SENSOR",), description, axes=axes, **more)
+
+
+def _words(record: Quantity) -> tuple[str, ...]:
+    if isinstance(record.words, tuple):
+        return record.words
+    name = record.plot or record.name
+    return (record.words or name.removeprefix(f"{_role(record).lower()}_").replace("_", " "),)
+
+
+def _of_records() -> dict[str, Kind]:
+    """The kinds that were recorded under these names."""
+    names: dict[str, list[str]] = {}
+    for one in QUANTITIES:
+        if one.plot:
+            names.setdefault(one.plot, []).append(one.name)
+    return {name: _recorded(variables) for name, variables in names.items()}
+
+
+ENERGIES = {one.attribute: _words(one)[0] for one in Energy.quantities}
+"""energies as a legend has them"""
+KINDS = _of_records() | {
+    "displacement": Kind(
+        displacement,
+        ("m",),
+        (BODY_OR_FRAME, BODY_OR_FRAME),
+        "of the first, in the axes of the second, since t = 0",
+    ),
+    "angle": Kind(
+        angle, ("rad",), (BODY_OR_FRAME,), "turned since t = 0 about x, y, z, beyond full turns too"
+    ),
+    "angular_velocity": Kind(
+        angular_velocity, ("rad/s",), (BODY_OR_FRAME,), "angular velocity, in space"
+    ),
+    "angular_acceleration": Kind(
+        angular_acceleration, ("rad/s²",), (BODY_OR_FRAME,), "angular acceleration, in space"
+    ),
+    "coordinate": Kind(
+        coordinate,
+        ("rad", "m", "rad/s", "m/s", "N m", "N", "1"),
+        ("JOINT", "COORDINATE"),
+        "`angle`, `distance_rate`, ...; `friction` on the coordinate; `friction_state`: 1 sticks, "
+        "2 slips",
+        axes=(),
+        unit_of=lambda results, *names: readable(results.unit("joints", *names)),
+    ),
+    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=()),
+    "normal_force": _recorded(
+        ("contact_force", "stop_force"),
+        lambda force: force if force.ndim == 1 else force[:, 0],
+        axes=(),
+        description="along the normal on the second body, or on the coordinate",
+        words=("normal force", "moment"),
+        in_peaks=True,
+        section="Contacts",
+    ),
+    "friction_force": _recorded(
+        ("contact_force",),
+        lambda force: force[:, 1:],
+        axes=TANGENTS,
+        description="of the second body along t1, t2",
+        words=("friction force",),
+    ),
+    "strain": _of_sensor("strain", "1", "of a gauge", in_peaks=True, section="Sensors"),
+    "stress": _of_sensor(
+        "stress",
+        "Pa",
+        "`xx` to `xy` of a sensor of stresses, in body axes",
+        along="",
+        in_peaks=True,
+        section="Sensors",
+    ),
+    "sensor_displacement": _of_sensor(
+        "motion",
+        "m",
+        "elastic displacement of its point, in body axes",
+        words=("elastic displacement",),
+    ),
+    "sensor_acceleration": _of_sensor(
+        "motion",
+        "m/s²",
+        "acceleration of its point in space, in body axes",
+        variable="sensor_acceleration",
+        words=("acceleration",),
+        along="along body",
+        in_peaks=True,
+    ),
 }
+
+position = KINDS["position"].values
+"""Position of the center of mass of a body, or of the origin of a frame [m]."""
+velocity = KINDS["velocity"].values
+"""Velocity of the center of mass of a body, or of the origin of a frame [m/s]."""
+acceleration = KINDS["acceleration"].values
+"""Acceleration of the center of mass of a body, or of the origin of a frame [m/s^2]."""
+elastic_displacement = KINDS["elastic_displacement"].values
+"""Elastic displacement of an interface, in the axes of its body [m]."""
+elastic_rotation = KINDS["elastic_rotation"].values
+"""Elastic rotation vector of an interface, in the axes of its body [rad]."""
+force = KINDS["force"].values
+"""Force of a joint or spring on the second of its frames [N]."""
+moment = KINDS["moment"].values
+"""Moment of a joint or spring on the second of its frames, about it [N m]."""
+linear_momentum = KINDS["linear_momentum"].values
+"""Momentum of all bodies [kg m/s]."""
+angular_momentum = KINDS["angular_momentum"].values
+"""Angular momentum of all bodies about the origin [kg m^2/s]."""
 
 
 class Evaluated(NamedTuple):
@@ -313,6 +321,8 @@ class Evaluated(NamedTuple):
     axis: str
     unit: str
     values: Array
+    states: str = ""
+    """what its whole numbers mean"""
 
 
 def evaluate(results: Results, quantity: str) -> Evaluated:
@@ -328,18 +338,36 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
     try:
         values = kind.values(results, *names)
-        unit = kind.unit if isinstance(kind.unit, str) else kind.unit(results, *names)
+        unit = kind.unit(results, *names)
     except QuantityError as error:
         raise QuantityError(f"{quantity}: {error}") from error
+    states = _coordinate(results, *names).states if kind_name == "coordinate" else kind.states
     if axis:
         values = values[:, kind.axes.index(axis)]
-    return Evaluated(kind_name, tuple(names), axis, unit, values)
+    return Evaluated(kind_name, tuple(names), axis, unit, values, states)
+
+
+def words(kind_name: str, unit: str) -> str:
+    """The name of a kind in a legend, of a quantity that has this unit."""
+    given = KINDS[kind_name].words or (kind_name.replace("_", " "),)
+    return given["N m" in unit and len(given) > 1]
 
 
 def usage(kind_name: str) -> str:
     """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
     kind = KINDS[kind_name]
     return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
+
+
+def table() -> str:
+    """The kinds as a table in Markdown, for the documentation."""
+    lines = ["| written | unit | what |", "|---|---|---|"]
+    for name, kind in KINDS.items():
+        roles = [role.split("|") for role in kind.names]
+        written = ":".join([name, *(first for first, *_ in roles)])
+        forms = " or ".join(f"`{form}`" for form in (written, *(roles[0][1:] if roles else ())))
+        lines.append(f"| {forms} | {' or '.join(kind.units)} | {kind.description} |")
+    return "\n".join(lines)
 
 
 def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str], str]:
@@ -363,70 +391,17 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
 def names_in_role(results: Results, role: str) -> tuple[str, ...]:
     """The names of all that has a role, as BODY or COORDINATE."""
     if role == "COORDINATE":
-        every = [name for joint in results.joints for name in results.joint(joint).coordinates]
+        every = [name for joint in results.joints for name in _coordinates(results, joint)]
         return tuple(dict.fromkeys(every))
     plural = {"BODY": "bodies", "ENERGY": "energies"}.get(role, f"{role.lower()}s")
     names: tuple[str, ...] = getattr(results, plural)
     return names
 
 
-def _is_body(results: Results, name: str) -> bool:
-    bodies, frames = results.bodies, results.frames
-    return _known("body or frame", name, (*sorted(bodies), *sorted(frames))) in bodies
-
-
-def _velocities(results: Results, name: str) -> Array:
-    return results.body(name).v if _is_body(results, name) else results.frame(name).velocity
-
-
-def _accelerations(results: Results, name: str) -> Array:
-    return results.body(name).v_dot if _is_body(results, name) else results.frame(name).acceleration
-
-
-def _in_space(results: Results, name: str, vectors: Array) -> Array:
-    """Vectors that results give in body axes for bodies, in space for frames."""
-    return rotate(rotation(results, name), vectors) if _is_body(results, name) else vectors
-
-
-def _coupling(results: Results, name: str) -> Coupling:
-    known = (*sorted(results.joints), *sorted(results.springs))
-    _known("joint or spring", name, known)
-    return results.joint(name) if name in results.joints else results.spring(name)
-
-
-def _contact(results: Results, name: str) -> ContactMotion | StopMotion:
-    known = (*sorted(results.contacts), *sorted(results.stops))
-    return results.contact(_known("contact or stop", name, known))
-
-
-def _reading(results: Results, name: str, kind: str) -> Array:
-    """The values of a sensor of a kind (n, channels)."""
-    value = results.sensor(_known("sensor", name, sorted(results.sensors))).value
-    (found,) = (
-        own for own, channels in KINDS_OF_SENSORS.items() if len(channels) == value.shape[1]
-    )
-    if found != kind:
-        raise QuantityError(f"sensor {name!r} reads {found}, not {kind}")
-    return value
-
-
-def _touching(results: Results, name: str) -> ContactMotion:
-    motion = results.contact(_known("contact", name, sorted(results.contacts)))
-    assert isinstance(motion, ContactMotion)
-    return motion
-
-
-def _motor(results: Results, name: str) -> MotorMotion:
-    return results.motor(_known("motor", name, sorted(results.motors)))
-
-
-def _elastic(results: Results, interface: str) -> Array:
-    return results.frame(_known("interface", interface, sorted(results.interfaces))).u
-
-
-def _recorded(results: Results, group: str, name: str) -> None:
-    if group not in results.recorded:
-        raise QuantityError(f"no {group} {name!r}; there are: none")
+def _known_in_roles(results: Results, roles: str, name: str) -> None:
+    """QuantityError for a name that nothing has in one of the roles, as "BODY|FRAME"."""
+    every = [known for role in roles.split("|") for known in sorted(names_in_role(results, role))]
+    _known(roles.lower().replace("|", " or "), name, every)
 
 
 def _known(role: str, name: str, names: Iterable[str]) -> str:

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from ..superelement import GeneralizedAlpha, Modes, Superelement, read, stressed
 from ..superelement.validation import Array
+from .contents import SuperelementFile
 from .errors import RecoveryError
 from .rotations import apply_tangent
-from .schema import SuperelementFile
 
 Index = NDArray[np.int64]
 

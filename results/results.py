@@ -2,35 +2,41 @@
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
 from ..superelement.validation import Array
+from .contents import Contents, SuperelementFile, attributes_of
 from .errors import ExportError, RecoveryError, ResultsError
 from .file import FileSource, netcdf
 from .motion import (
+    EVENTS,
+    TIME,
     BodyMotion,
     ContactMotion,
     CouplerMotion,
-    Coupling,
     Energy,
     Events,
     FrameMotion,
+    JointMotion,
     Momentum,
     MotorMotion,
     PatternMotion,
     SensorMotion,
+    Solution,
+    SpringMotion,
     StopMotion,
 )
 from .outlines import Outlines
 from .outlines import Source as OutlineSource
+from .quantity import Quantity, Recorded
 from .recovery import (
     KEPT,
     STARTS,
@@ -43,20 +49,13 @@ from .recovery import (
     second_order_loads,
     stepping,
 )
-from .schema import (
-    EVENTS,
-    OWNERS,
-    QUANTITIES,
-    Contents,
-    Quantity,
-    SuperelementFile,
-    attributes_of,
-)
 from .search import BLOCK, LENGTHS, Extremes, Field, extremes
 from .source import ALL, Selection, Source
 from .space import Connection, Place
 from .summary import rows, spanned
 from .validity import Check, Validity
+
+Motion = TypeVar("Motion", bound=Recorded)
 
 
 class Results:
@@ -179,25 +178,26 @@ class Results:
     @property
     def time(self) -> Array:
         """(n,) [s]"""
-        return self._one("/time")
+        (time,) = self._source.read([(TIME, None)])
+        return time
 
     @property
     def energy(self) -> Energy:
-        return Energy(**self._group("energy"))
+        return self._whole(Energy)
 
     @property
     def momentum(self) -> Momentum:
-        return Momentum(**self._group("momentum"))
+        return self._whole(Momentum)
 
     @property
     def iterations(self) -> Array:
         """(n,) Newton iterations of each recorded step"""
-        return self._one("solver/iterations")
+        return self._whole(Solution).iterations
 
     @property
     def residual(self) -> Array:
         """(n,) relative residual of each recorded step"""
-        return self._one("solver/residual")
+        return self._whole(Solution).residual
 
     @property
     def solver(self) -> dict[str, Any]:
@@ -224,15 +224,16 @@ class Results:
         """The file of the superelement of each flexible body."""
         return dict(self._source.contents().superelements)
 
-    def variable(self, name: str, rows: slice = ALL) -> Array:
+    def variable(self, name: str, rows: slice = ALL, owner: str = "") -> Array:
         """A variable over time by its name in a file, or some of its rows (n, ...).
 
-        `KeyError` if it was not recorded.
+        owner: what of it belongs to one alone. `KeyError` if it was not recorded.
         """
         contents = self.contents
         for quantity in contents.quantities:
             if quantity.name == name:
-                (values,) = self._source.read([(quantity, None)], rows)
+                entries = quantity.entries(contents.axes, owner) if owner else None
+                (values,) = self._source.read([(quantity, entries)], rows)
                 return values
         known = ", ".join(quantity.name for quantity in contents.quantities)
         raise KeyError(f"no variable {name}; there are: {known}")
@@ -253,60 +254,55 @@ class Results:
         return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
     def body(self, name: str) -> BodyMotion:
-        return BodyMotion(**self._of("bodies", name))
+        return self._of(BodyMotion, name)
 
     def frame(self, name: str) -> FrameMotion:
         """A frame as "BODY.FRAME"."""
-        return FrameMotion(**self._of("frames", name))
+        return self._of(FrameMotion, name)
 
-    def joint(self, name: str) -> Coupling:
+    def joint(self, name: str) -> JointMotion:
         """A joint or a prescribed motion."""
-        return self._coupling("joints", name)
+        return self._of(JointMotion, name)
 
-    def spring(self, name: str) -> Coupling:
-        return self._coupling("springs", name)
+    def spring(self, name: str) -> SpringMotion:
+        return self._of(SpringMotion, name)
 
     def contact(self, name: str) -> ContactMotion | StopMotion:
         """A contact or a stop."""
         if name in self.stops:
             return self.stop(name)
-        return ContactMotion(**self._of("contacts", name), events=self.events[name])
+        return self._of(ContactMotion, name, events=self.events.get(name))
 
     def stop(self, name: str) -> StopMotion:
-        return StopMotion(**self._of("stops", name), events=self.events[name])
+        return self._of(StopMotion, name, events=self.events.get(name))
 
     def coupler(self, name: str) -> CouplerMotion:
-        return CouplerMotion(**self._of("couplers", name))
+        return self._of(CouplerMotion, name)
 
     def pattern(self, name: str) -> PatternMotion:
         """A load pattern as "BODY.PATTERN"."""
-        return PatternMotion(**self._of("patterns", name))
+        return self._of(PatternMotion, name)
 
     def sensor(self, name: str) -> SensorMotion:
         """A sensor as "BODY.SENSOR"."""
-        return SensorMotion(**self._of("sensors", name))
+        return self._of(SensorMotion, name)
 
     def motor(self, name: str) -> MotorMotion:
-        return MotorMotion(**self._of("motors", name))
+        return self._of(MotorMotion, name)
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".
 
         In the spelling of UDUNITS; several, joined by commas, where the attribute has several.
         """
-        axes = self._source.contents().axes
-        units: dict[str, None] = {}
+        contents, units = self.contents, dict[str, None]()
+        axes = contents.axes
         if group == "events":
             (event,) = (quantity for quantity in EVENTS if quantity.attribute == attribute)
-            of_entries = event.units(axes)
-            return of_entries[axes["event_owner"].number(owner) if len(of_entries) > 1 else 0]
-        for name, quantity, entries in self._attributes(group, owner):
+            return event.units(axes, axes["event_owner"].number(owner))[0]
+        for name, quantity, entries in attributes_of(contents.quantities, axes, group, owner):
             if name == attribute:
-                of_entries = quantity.units(axes)
-                if len(of_entries) > 1:
-                    own = slice(entries, entries + 1) if isinstance(entries, int) else entries
-                    of_entries = of_entries[own]
-                units |= dict.fromkeys(of_entries)
+                units |= dict.fromkeys(quantity.units(axes, entries))
         return ", ".join(units)
 
     def displacement(self, body: str, t: Any) -> Array:
@@ -530,49 +526,27 @@ class Results:
                 f"body {body!r}: fields need {', '.join(missing)}, which the run did not record"
             )
 
-    def _coupling(self, group: str, name: str) -> Coupling:
-        data = self._of(group, name)
-        forces = {key: data.pop(key) for key in ("multipliers", "force", "moment")}
-        return Coupling(**forces, coordinates=data)
-
     def _names(self, dimension: str) -> tuple[str, ...]:
         axes = self._source.contents().axes
         return axes[dimension].names if dimension in axes else ()
 
-    def _of(self, group: str, owner: str) -> dict[str, Array]:
-        """The recorded arrays of an owner, by attribute."""
+    def _of(self, kind: type[Motion], owner: str, **more: Any) -> Motion:
+        """What was recorded of an owner, and more of it."""
         contents = self._source.contents()
-        if owner not in self._names(OWNERS[group]):
-            raise _not_recorded(contents, f"{group}/{owner}")
-        return self._joined(
-            [
-                (attribute, (quantity, entries))
-                for attribute, quantity, entries in self._attributes(group, owner)
-            ]
-        )
+        if owner not in self._names(kind.owner):
+            raise _not_recorded(contents, f"{kind.group}/{owner}")
+        found = attributes_of(_there(contents, kind), contents.axes, kind.group, owner)
+        arrays = self._joined([(name, (quantity, entries)) for name, quantity, entries in found])
+        return kind(arrays | more, (self.name, contents.version))
 
-    def _attributes(self, group: str, owner: str) -> Iterator[tuple[str, Quantity, Any]]:
-        """The attributes of an owner that these results have."""
+    def _whole(self, kind: type[Motion]) -> Motion:
+        """What was recorded of the whole run."""
         contents = self._source.contents()
-        return attributes_of(contents.axes, group, owner, contents.quantities)
-
-    def _group(self, group: str) -> dict[str, Array]:
-        """The recorded arrays of a group without owners, by attribute."""
-        contents = self._source.contents()
-        if group not in contents.recorded:
-            raise _not_recorded(contents, group)
-        return self._joined(
-            [
-                (quantity.attribute, (quantity, None))
-                for quantity in QUANTITIES
-                if quantity.group == group
-            ]
-        )
-
-    def _one(self, key: str) -> Array:
-        (quantity,) = (quantity for quantity in QUANTITIES if quantity.key == key)
-        (rows,) = self._source.read([(quantity, None)])
-        return rows
+        found = _there(contents, kind)
+        if not found and kind is not Solution:  # which can lack in files that others made
+            raise _not_recorded(contents, kind.group)
+        arrays = self._joined([(quantity.attribute, (quantity, None)) for quantity in found])
+        return kind(arrays, (self.name, contents.version))
 
     def _joined(self, selections: list[tuple[str, Selection]]) -> dict[str, Array]:
         """Arrays by attribute; those of one attribute joined along the last axis."""
@@ -582,6 +556,20 @@ class Results:
             before = joined.get(attribute)
             joined[attribute] = array if before is None else np.hstack([before, array])
         return joined
+
+
+def _there(contents: Contents, kind: type[Recorded]) -> list[Quantity]:
+    """The quantities of a kind but for those of attributes that are not whole, as in old files.
+
+    Those of which no owner has an entry are there, without a variable in the file.
+    """
+    names = {quantity.name for quantity in contents.quantities}
+    absent = {
+        quantity.attribute
+        for quantity in kind.quantities
+        if quantity.name not in names and (not quantity.of or quantity.of in contents.axes)
+    }
+    return [quantity for quantity in kind.quantities if quantity.attribute not in absent]
 
 
 def _not_recorded(contents: Contents, name: str) -> KeyError:

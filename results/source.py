@@ -6,7 +6,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..superelement.validation import Array
-from .schema import Batch, Contents, EventRows, Quantity
+from .batches import Batch, EventRows
+from .contents import Contents
+from .quantity import Quantity
 from .space import Space
 
 Selection = tuple[Quantity, Any]

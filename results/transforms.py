@@ -52,7 +52,7 @@ class Series:
     """A quantity over time, or over frequency.
 
     abscissa (n,) in `base`, "s" or "Hz"; values (n,) or (n, axes). treatment: what was made of the
-    quantity, in words; ordinate: what the values are, if it is no longer the quantity; paper: how a
+    quantity, in words; ordinate: what the values are, where the kind does not say it; paper: how a
     picture of it is ruled, "lines", "log", "bands" or "tripartite".
     """
 
@@ -421,6 +421,7 @@ def _quantity(results: Results, quantity: str) -> Series:
         found.unit,
         results.time,
         found.values,
+        ordinate=found.states,
         band=min((results.bands[owner] for owner in owners), default=np.inf),
     )
 

@@ -7,7 +7,7 @@ docs/validity.md.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import NamedTuple
 
 SHOWN = 10
@@ -32,8 +32,9 @@ class Criterion:
     good: float
     limit: float
     advice: str
+    _: KW_ONLY
+    measures: str
     least: bool = False
-    measures: str = ""
 
     def verdict(self, value: float) -> str:
         """ "good", "fair", "poor" beyond the limit; "unknown" for what is no number."""
@@ -339,6 +340,21 @@ _LIST = (
         measures=(
             "by how much the constraints of a joint are open: angles in rad, lengths over "
             "the size of the model"
+        ),
+    ),
+    Criterion(
+        "force_noise",
+        "joint",
+        "rounding of its force / largest force",
+        "",
+        1e-2,
+        1e-1,
+        "forces of joints are rounding of positions over the square of the step: take a larger "
+        "step, a smaller rho_inf, or an origin nearer to the model",
+        measures=(
+            "an estimate of what the rounding of positions makes of the force of a joint, over the "
+            "largest force of all joints, or the energy that moves over the size of the model if "
+            "that is more"
         ),
     ),
     Criterion(

@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,38 +11,43 @@ from typing import Any
 import numpy as np
 
 from ..files.blas import one_blas_thread
+from ..results.batches import Batch, Energies
 from ..results.motion import Energy, Events
 from ..results.results import Results
-from ..results.schema import QUANTITIES, Batch, Energies
 from ..results.validity import Validity
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
-from .checkpoint.moment import Moment
+from .checkpoint.saved_state import SavedState
 from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
 from .model.model import Model
 from .model.settings import Settings
+from .output.branches import Branches
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
 from .output.passages import check_passages
 from .output.recording import Recording
-from .output.validity import Judge, check_range
+from .output.validity import ValidityMonitor, check_range
 from .output.writer import check_output
 from .signals.curves import Input
-from .simulation import failure, signals
+from .simulation import failure, signals, start_warnings
 from .start.initial import initialize, lower_to_start
 from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run
 
-AHEAD = 256
-"""steps for which the signals that are not inputs are sampled at once, and between checks"""
-SHORTEST = 2
-"""steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
-CALM = 1e-6
-"""of the largest value of an input, below which its swings are none"""
-PAST = "past/"
+# Signals that are no inputs are sampled at once for so many steps, and inputs are checked as often.
+STEPS_AHEAD = 256
+# For `STEPS_AHEAD` steps white noise does not swing so fast by chance.
+MIN_SWING_STEPS = 2
+ENOUGH_STEPS = 128
+"""steps for which that is as good as sure, at the end of a run"""
+LAST, GROWTH = 8, 10.0
+"""of the last steps before a failure, in which swings of an input grew by more than this factor"""
+# of the largest value of an input
+NEGLIGIBLE_SWING = 1e-6
+PAST_PREFIX = "past/"
 """names of the arrays of the convolution begin with it"""
 
 
@@ -66,9 +72,12 @@ class Simulator:
 
     results: a results file, by default none: what `simulate` writes of the same steps. `finish`, or
     the end of the `with` block, ends it; `energy` and `validity` are there without it too. A file
-    goes on in time alone: no `restore` with it. Warns (`ValidityWarning`) of limits of the method
-    that were passed when it ends, and at once of an input that chatters: that goes up and down from
-    step to step, as that of a controller does whose gains are too large for its delay.
+    goes on in time alone: no `restore` with it.
+
+    Warns (`ValidityWarning`) at the start as `simulate` does; of limits of the method that were
+    passed at t_end, or before at `finish` or the end of the `with` block; and at once of an input
+    that chatters: that goes up and down from step to step, as that of a controller does whose gains
+    are too large for its delay.
 
     Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
     a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
@@ -92,6 +101,7 @@ class Simulator:
             check_output(path, model)
         with about(model.path), one_blas_thread():
             lowered, source = lower_to_start(model)
+            # Inputs of one step at a time cannot be taken back.
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
@@ -103,6 +113,8 @@ class Simulator:
             output = make_output(lowered, 1)
             sources = {name: views(lowered, name, output) for name in outputs}
             self._recording = None if path is None else Recording(path, initial)
+        for line in start_warnings(initial):
+            warnings.warn(line, ValidityWarning, stacklevel=2)
         self._sources = [view for name in outputs for view in sources[name]]
         self._outputs = np.zeros(sum(map(len, self._sources)))
         lengths = [sum(map(len, sources[name])) for name in outputs]
@@ -138,10 +150,13 @@ class Simulator:
         self._live = carried(state=state, work=initial.work, output=output)
         self._sampled_from = 0
         self._begin, self._output, self._has_ended = self._number, output, False
+        self._branches, self._has_warned = Branches(lowered), False
         self._chattering: set[str] = set()
-        self._told: list[tuple[float, ...]] = []
+        self._told: deque[tuple[float, ...]] = deque(maxlen=STEPS_AHEAD)
         record(self._run, 0)
         self._start = Energies.of(output)
+        # No steps, but `ahead`: the free response of the first step is made before its inputs are
+        # known.
         none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
         advance(self._run, none)
         self._gather()
@@ -181,33 +196,38 @@ class Simulator:
             self._set_signals(number)
         for values, i, k in self._destinations:
             values[i] = inputs[k]
+        self._told.append(tuple(inputs))
         # a kernel ends with the run
         last = number == self._n_steps
+        # The last step prepares none: a kernel ends with the run.
         taken, residual = advance(self._run, self._last if last else self._next)
         check_passages(self._lowered, self._state, self._work, number - 1)
         check_range(self._lowered, self._state, number)
         if not taken:
-            cause = Judge(self._lowered).cause(self._state, number - 1)
+            cause = self._growing_input() or ValidityMonitor(self._lowered).cause(
+                self._state, number - 1
+            )
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
-        self._told.append(tuple(inputs))
-        if number % AHEAD == 0:
+        self._branches.check(self._work, number)
+        if last or number % STEPS_AHEAD == 0:
             self._removed.check(self._work, self.time)
-            self._check_inputs()
+            self._check_inputs(STEPS_AHEAD)
         self._convolution.update(self._state)
+        if last:
+            self._warn_of_limits()
         return self._gather()
 
     @property
     def energy(self) -> Energy:
         """The energies at the present time, each (1,) [J], as those of results."""
         batch = Batch(np.array([self._number]), self._h, self._output, self._start)
-        named = [quantity for quantity in QUANTITIES if quantity.key.startswith("energy/")]
-        return Energy(**{quantity.attribute: quantity.take(batch, {}) for quantity in named})
+        return Energy({one.attribute: one.take(batch, {}) for one in Energy.quantities})
 
     @property
     def validity(self) -> Validity:
         """How far the steps until now can be trusted, as that of results."""
-        return Judge(self._lowered).validity(self._state, self._number - self._begin)
+        return ValidityMonitor(self._lowered).validity(self._state, self._number - self._begin)
 
     def finish(self) -> Results:
         """End the results file, at t_end or before, and open it; there are no further steps."""
@@ -216,30 +236,31 @@ class Simulator:
         self._recording.keep(self._number, self._output)
         results, self._recording = self._recording.finish(), None
         self._has_ended = True
-        for line in results.validity.brief():
-            warnings.warn(line, ValidityWarning, stacklevel=2)
+        self._warn_of_limits()
         return results
 
     def __enter__(self) -> "Simulator":
         return self
 
     def __exit__(self, *failure: Any) -> None:
-        if self._recording is None:
-            return
-        if failure[1] is None:
+        if failure[1] is not None:
+            if self._recording is not None:
+                self._recording.keep(self._number, self._output)
+                self._recording.abandon(*failure)
+                self._recording = None
+        elif self._recording is not None:
             self.finish()
         else:
-            self._recording.keep(self._number, self._output)
-            self._recording.abandon(*failure)
-            self._recording = None
+            self._warn_of_limits()
 
-    def save(self) -> Moment:
+    def save(self) -> SavedState:
         """The present state, to go back to."""
         arrays = {name: array.copy() for name, array in self._live.items()}
-        past = {f"{PAST}{name}": array for name, array in self._convolution.saved().items()}
-        return Moment(Snapshot(self._number, arrays | past), self._lowered)
+        # Two namespaces in one dictionary of a snapshot: arrays of the loop and of the convolution.
+        past = {f"{PAST_PREFIX}{name}": array for name, array in self._convolution.saved().items()}
+        return SavedState(Snapshot(self._number, arrays | past), self._lowered)
 
-    def restore(self, moment: Moment) -> Array:
+    def restore(self, state: SavedState) -> Array:
         """Go back, or forth, to a state that was saved; return the outputs there.
 
         All that follows is then to the bit what followed when it was saved. `StateError` for a
@@ -247,27 +268,46 @@ class Simulator:
         """
         if self._recording is not None:
             raise ModelError("restore: expected a Simulator without a results file")
-        moment.check(self._lowered)
-        number, arrays = moment.snapshot
-        own = {name: array for name, array in arrays.items() if not name.startswith(PAST)}
-        past = {name.removeprefix(PAST): arrays[name] for name in arrays.keys() - own.keys()}
+        state.check(self._lowered)
+        number, arrays = state.snapshot
+        own = {name: array for name, array in arrays.items() if not name.startswith(PAST_PREFIX)}
+        past = {name.removeprefix(PAST_PREFIX): arrays[name] for name in arrays.keys() - own.keys()}
+        # Into the arrays that compiled code points to: these are never replaced.
         Snapshot(number, own).put_back(self._live)
         self._convolution.load(number, past)
-        self._number = number
+        self._number, self._has_warned = number, False
         return self._gather()
 
-    def _check_inputs(self) -> None:
-        """Warn, once of each, of inputs that have chattered in the last `AHEAD` steps."""
-        told, self._told = np.array(self._told, dtype=np.float64), []
-        for name, values in zip(self.inputs, told.T, strict=True):
-            if len(values) == AHEAD and name not in self._chattering and _chatters(values):
+    def _warn_of_limits(self) -> None:
+        """Warn, once, of each limit that the steps until now have passed, and of inputs."""
+        self._check_inputs(ENOUGH_STEPS)
+        if not self._has_warned:
+            self._has_warned = True
+            for line in self.validity.brief():
+                warnings.warn(line, ValidityWarning, stacklevel=3)
+
+    def _check_inputs(self, enough: int) -> None:
+        """Warn, once of each, of inputs that chattered in the last steps, if there are enough."""
+        for name, values in zip(self.inputs, np.array(self._told).T, strict=False):
+            if len(values) >= enough and name not in self._chattering and _chatters(values):
                 self._chattering.add(name)
                 line = (
                     f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
-                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for {AHEAD} "
-                    f"steps: take smaller gains of its controller, or a smaller step"
+                    f"every {MIN_SWING_STEPS} steps or sooner, by {np.ptp(values[-8:]):.3g}, for "
+                    f"{len(values)} steps: take smaller gains of its controller, or a smaller step"
                 )
                 warnings.warn(line, ValidityWarning, stacklevel=3)
+
+    def _growing_input(self) -> str:
+        """The input that went up and down ever farther before a failure, "" if none did."""
+        for name, values in zip(self.inputs, np.array(self._told)[-LAST:].T, strict=True):
+            sizes = np.abs(np.diff(values))
+            if len(sizes) and _chatters(values) and sizes[-1] > GROWTH * sizes[0]:
+                return (
+                    f"input {name!r} goes up and down, ever farther: take smaller gains of its "
+                    f"controller, or a smaller step"
+                )
+        return ""
 
     def _gather(self) -> Array:
         if self._sources:
@@ -276,10 +316,11 @@ class Simulator:
 
     def _set_signals(self, number: int) -> None:
         """Sample the signals of step `number` that are not inputs, for many steps at once."""
-        k = (number - 1) % AHEAD
+        k = (number - 1) % STEPS_AHEAD
         first = number - k
+        # After `restore` the number may lie in another block.
         if first != self._sampled_from:
-            n = min(AHEAD, self._n_steps - first + 1)
+            n = min(STEPS_AHEAD, self._n_steps - first + 1)
             self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
             self._sampled_from = first
         self._load[:] = self._sampled.load[k]
@@ -288,14 +329,16 @@ class Simulator:
 
 
 def _chatters(values: Array) -> bool:
-    """Whether an input (n,) goes up and down every `SHORTEST` steps, or sooner, without calming."""
+    """Whether an input (n,) keeps going up and down every `MIN_SWING_STEPS` steps, or sooner."""
     changes = np.diff(values)
     moving = np.flatnonzero(changes)
+    # Steps without a change are passed over: held inputs chatter too.
     turns = moving[1:][np.diff(np.sign(changes[moving])) != 0.0]
-    if not len(turns) or np.diff(turns).max(initial=0) > SHORTEST:
+    if not len(turns) or np.diff(turns).max(initial=0) > MIN_SWING_STEPS:
         return False
-    if max(turns[0], len(changes) - turns[-1]) > 2 * SHORTEST:
+    # It must chatter from the beginning of the window to its end.
+    if max(turns[0], len(changes) - turns[-1]) > 2 * MIN_SWING_STEPS:
         return False
     sizes = np.abs(changes)
     first, last = sizes[: len(sizes) // 4].max(), sizes[-len(sizes) // 4 :].max()
-    return bool(last > max(0.5 * first, CALM * np.abs(values).max()))
+    return bool(last > max(0.5 * first, NEGLIGIBLE_SWING * np.abs(values).max()))

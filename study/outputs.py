@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..results import QuantityError, Results, SeriesError, transforms
-from ..results.schema import EVENTS
+from ..results.motion import EVENTS
 from ..results.series import rms
 from ..results.transforms import Series
 from ..superelement.validation import Array

@@ -21,6 +21,8 @@ SPAWN = multiprocessing.get_context("spawn")
 """new processes: copies of this one would have its threads' locks"""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """of linear algebra, in the environment: a process is for one core"""
+SAFE_PATH = "PYTHONSAFEPATH"
+"""in the environment: Python imports nothing that lies in the folder that the user is in"""
 
 
 class _Process(Protocol):
@@ -34,7 +36,7 @@ class Worker:
     def __init__(self, kind: Kind) -> None:
         self.pipe, far_end = SPAWN.Pipe()
         process = SPAWN.Process(target=_serve, args=(far_end, kind), daemon=True)
-        with _one_thread_each():
+        with _environment():
             process.start()
         far_end.close()  # so that the pipe ends with the process
         self.process: _Process = process
@@ -155,8 +157,9 @@ def _serve(pipe: Any, kind: Kind) -> None:
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
-    added = {name: "1" for name in THREADS if name not in os.environ}
+def _environment() -> Iterator[None]:
+    """What processes that start within find in their environment, beside what is there."""
+    added = {name: "1" for name in (*THREADS, SAFE_PATH) if name not in os.environ}
     os.environ.update(added)
     try:
         yield

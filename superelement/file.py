@@ -9,13 +9,14 @@ import os
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
+from typing import Any, overload
 
 import h5py
 import numpy as np
 
-from ..files import renamed_when_whole
+from ..files import object_and_path, renamed_when_whole
 from ..files.hdf5 import opened
-from ..files.outputs import in_words, resolved
+from ..files.outputs import AnyPath, in_words, resolved
 from .chain import Chain
 from .channels import Channels
 from .checks import require_sound
@@ -67,12 +68,17 @@ FORM = "KM"
 """two projections of each soft shape, in stiffness and in mass"""
 
 
-def write(path: str | os.PathLike[str], superelement: Superelement) -> None:
-    """Write a superelement.
+@overload
+def write(superelement: Superelement, path: AnyPath, /) -> None: ...
+@overload
+def write(path: AnyPath, superelement: Superelement, /) -> None: ...
+def write(superelement: Any, path: Any, /) -> None:
+    """Write a superelement; `write(path, superelement)` is understood too.
 
     The file appears whole or not at all, and an older one stays until then. Raises
     `SuperelementError` where the folder is missing or cannot be written to.
     """
+    superelement, path = object_and_path(superelement, path)
     # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
     image = io.BytesIO()
     with h5py.File(image, "w") as file:

@@ -8,58 +8,11 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ..results import Results
-from ..results.quantities import KINDS
+from ..results.quantities import ENERGIES, KINDS, words
 from ..results.transforms import Series
 
 PLACES = {"position", "displacement", "elastic displacement"}
 """kinds of which two make a way in space"""
-TURNING = (
-    "angle",
-    "angular_velocity",
-    "angular_acceleration",
-    "elastic_rotation",
-    "moment",
-    "angular_momentum",
-)
-"""kinds about an axis; others are along one"""
-IN_BODY_AXES = ("sensor_acceleration",)
-KIND_WORDS = {
-    "linear_momentum": "momentum",
-    "contact_state": "state",
-    "sensor_displacement": "elastic displacement",
-    "sensor_acceleration": "acceleration",
-    "pattern_load": "amplitude of the load",
-    "motor_reference": "reference",
-    "motor_error": "error",
-    "motor_power": "power",
-    "motor_work": "work",
-    "motor_state": "state",
-}
-"""where they are not those of the quantity"""
-FORCES = {
-    "coupler_force": ("force", "moment"),
-    "normal_force": ("normal force", "moment"),
-    "impulse": ("impulse", "angular impulse"),
-    "motor_torque": ("force", "torque"),
-}
-"""words of a force, and of a moment by the same name"""
-ENERGIES = {
-    "springs": "energy of springs",
-    "work": "work from outside",
-    "dissipated": "dissipated energy",
-    "numerical": "numerical dissipation",
-    "balance": "energy balance",
-    "compliance_work": "work of springs and dampers",
-    "modal": "modal energy",
-    "modal_loss": "modal loss",
-    "modal_damping": "loss by modal damping",
-}
-"""where an energy is not "kinetic energy" by its name"""
-STATES = {
-    "contact_state": "0 open, 1 closed, 2 slips",
-    "friction_state": "1 sticks, 2 slips",
-    "motor_state": "-1, 1 at a limit",
-}
 UNFILTERED = "unfiltered"
 """a curve of which nothing was made, beside those of which something was"""
 OF_A_BODY = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
@@ -77,19 +30,14 @@ class Named(Protocol):
     def run(self) -> str: ...
 
 
-def subject(found: Series) -> str:
-    """The kind, of a joint its coordinate: "angle_rate"."""
-    return found.names[1] if found.kind == "coordinate" else found.kind
-
-
 def kind(found: Series) -> str:
     """ "angular velocity", "rate of angle", "torque"."""
-    name = subject(found)
-    if found.kind in FORCES:
-        return FORCES[found.kind]["N m" in found.unit]
-    if found.kind == "coordinate" and name.endswith("_rate"):
+    if found.kind != "coordinate":
+        return words(found.kind, found.unit)
+    name = found.names[1]
+    if name.endswith("_rate"):
         return f"rate of {name.removesuffix('_rate').replace('_', ' ')}"
-    return KIND_WORDS.get(name, name.replace("_", " "))
+    return name.replace("_", " ")
 
 
 def owner(results: Results, found: Series) -> str:
@@ -104,15 +52,6 @@ def owner(results: Results, found: Series) -> str:
         for role, name in zip(roles, found.names, strict=True)
     ]
     return " seen from ".join(names)
-
-
-def along(found: Series) -> str:
-    """What stands before the axis: "about", "along", nothing before that of a stress."""
-    if found.kind in TURNING:
-        return "about"
-    if found.kind in IN_BODY_AXES:
-        return "along body"
-    return "" if found.kind == "stress" else "along"
 
 
 def unit(found: Series) -> str:

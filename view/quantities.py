@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..results import QuantityError, Results
+from ..results.quantities import KINDS
 from ..results.transforms import IN_G, TIME, Series, Window, in_g, series
 from ..superelement.validation import Array
 from . import naming
@@ -71,9 +72,9 @@ def curves(
             columns[:, axes.index(axis)],
             found.abscissa if own_abscissa else None,
             found.base,
-            found.ordinate or naming.STATES.get(naming.subject(found), ""),
+            found.ordinate,
             found.paper,
-            naming.along(found),
+            KINDS[found.kind].preposition,
             band=found.band,
         )
         for axis in (_moving_axes(axes, columns) if found.axes else axes)

@@ -13,11 +13,11 @@ from ...superelement import Pattern, Sensor
 from ...superelement.validation import Array
 from ..body.body import Body
 from ..errors import PreprocessError
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 from .rigid import RigidModes, relieve
 from .source import Source
 
-NOTHING = 1e-10
+NEGLIGIBLE_FORCE = 1e-10
 """of the forces of a pattern, relative to the largest: what is left by rounding of one that only
 accelerates the body as a whole
 """
@@ -69,7 +69,7 @@ def selected_channels(body: Body, source: Source, T: Any) -> SelectedChannels | 
 
 
 def channel_rows(
-    selected: SelectedChannels, rigid: RigidModes, M: Any, processes: Processes = ALONE
+    selected: SelectedChannels, rigid: RigidModes, M: Any, processes: Processes = ONE_PROCESS
 ) -> ChannelRows:
     """The channels of a body with its mass M; of several processes each has its own columns."""
     patterns, sensors, rows = [], [], []
@@ -89,7 +89,7 @@ def _self_equilibrated(f: Array, rigid: RigidModes, M: Any, processes: Processes
     """P^T f as one row; nothing where only its rounding is left."""
     left = relieve(f[:, None], rigid.U, M, processes)
     largest, size = (processes.largest(float(np.abs(g).max(initial=0.0))) for g in (left, f))
-    if largest <= NOTHING * size:
+    if largest <= NEGLIGIBLE_FORCE * size:
         left[:] = 0.0
     return sp.csr_array(left.T)
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from ...superelement.validation import Array
 from ..body.selection import InterfaceSelection
 from ..errors import InterfaceError
-from ..mesh.mesh import NONE, IntArray
+from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.nodes import Nodes
 from .surface import (
     Fit,
@@ -21,7 +21,7 @@ from .surface import (
     mean_motion_of_points,
 )
 
-LINE = 1e-6
+MIN_RADIUS_RATIO = 1e-6
 """Second radius of a set of points over the first, below which they lie on a line and cannot carry
 a moment.
 """
@@ -39,7 +39,7 @@ class Attachment:
     X: Array
     rows: Any
     nodes: IntArray
-    facets: IntArray = field(default_factory=lambda: NONE)
+    facets: IntArray = field(default_factory=lambda: NO_NODES)
     area: float = 0.0
     rigid: bool = False
     fit: Fit | None = None
@@ -109,7 +109,7 @@ def facet_frame(
 def _check_spread(points: Array) -> None:
     """`InterfaceError` unless there are three points that are not on a line."""
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if len(points) < 3 or radii[1] <= LINE * radii[0]:
+    if len(points) < 3 or radii[1] <= MIN_RADIUS_RATIO * radii[0]:
         raise InterfaceError(
             f"a frame needs three nodes that are not on a line, found {len(points)} nodes from "
             f"{points.min(axis=0).tolist()} to {points.max(axis=0).tolist()}; "

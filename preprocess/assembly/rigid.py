@@ -10,7 +10,7 @@ from ...superelement.checks import ROUNDING
 from ...superelement.validation import Array
 from ..errors import MeshError
 from ..mesh.nodes import Nodes
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class RigidModes:
     J_rot: Array
 
 
-def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ALONE) -> RigidModes:
+def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ONE_PROCESS) -> RigidModes:
     """Center of mass, mass properties and rigid modes from the mass matrix M (n_u, n_u), sparse.
 
     nodes: those of this process.
@@ -72,7 +72,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ALONE) -> RigidMode
     return RigidModes(A, U, mass, center, J_rot)
 
 
-def project(w: Array, U: Array, M: Any, processes: Processes = ALONE) -> Array:
+def project(w: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> Array:
     """Remove the rigid part of displacements, P w = w - U U^T M w, eq. (49).
 
     w (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
@@ -81,7 +81,7 @@ def project(w: Array, U: Array, M: Any, processes: Processes = ALONE) -> Array:
     return elastic
 
 
-def relieve(f: Array, U: Array, M: Any, processes: Processes = ALONE) -> Array:
+def relieve(f: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> Array:
     """Remove the inertia relief from loads, P^T f = f - M U U^T f, eq. (49) transposed.
 
     The loads that are left deform the body without accelerating it as a whole.

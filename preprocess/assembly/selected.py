@@ -6,9 +6,9 @@ from ...superelement.validation import Array
 from ..body.selection import Selection
 from ..errors import InterfaceError
 from ..given.node_table import NodeTable
-from ..mesh.cells import DIMENSIONS
+from ..mesh.cells import CELL_DIMENSIONS
 from ..mesh.facets import Facets
-from ..mesh.mesh import NONE, IntArray, Mesh
+from ..mesh.mesh import NO_NODES, IntArray, Mesh
 
 
 def check_elements(selection: Selection, mesh: Mesh) -> None:
@@ -44,7 +44,7 @@ def names_points(selection: Selection, mesh: Mesh) -> bool:
     if selection.group is None:
         return False
     group = mesh.group(selection.group)
-    dimensions = {DIMENSIONS.get(kind, 3) for kind in group.cells}
+    dimensions = {CELL_DIMENSIONS.get(kind, 3) for kind in group.cells}
     if 2 in dimensions:
         return False
     if 0 in dimensions or len(group.points):
@@ -99,7 +99,7 @@ def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
         cells = {
             kind: rows
             for kind, rows in mesh.group(selection.group).cells.items()
-            if DIMENSIONS.get(kind) == 2
+            if CELL_DIMENSIONS.get(kind) == 2
         }
         candidates = np.concatenate(
             [_faces(mesh.cells[kind][rows], kind, facets) for kind, rows in cells.items()]
@@ -132,5 +132,5 @@ def _nodes_of_group(mesh: Mesh, name: str) -> IntArray:
     """The points of a group, each once; the nodes of its cells if it names no points."""
     group = mesh.group(name)
     nodes = {kind: mesh.cells[kind][rows].ravel() for kind, rows in group.cells.items()}
-    points = np.unique(np.concatenate([nodes.get("vertex", NONE), group.points]))
+    points = np.unique(np.concatenate([nodes.get("vertex", NO_NODES), group.points]))
     return points if len(points) else np.unique(np.concatenate(list(nodes.values())))

@@ -13,7 +13,7 @@ from ...superelement.validation import LARGEST, Array
 from ..body.body import Body
 from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 from .channels import ChannelRows, channel_rows, selected_channels
 from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
@@ -21,8 +21,7 @@ from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
 from .ties import reduced, tie
 
-RIGID = 6
-"""dofs of a body that cannot deform"""
+RIGID_DOFS = 6  # dofs of a body that cannot deform
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +53,7 @@ class Structure:
     inertia: Array | None = None
     channels: ChannelRows | None = None
     turns: Any | None = None
-    processes: Processes = ALONE
+    processes: Processes = ONE_PROCESS
 
     @property
     def n_u(self) -> int:
@@ -147,7 +146,7 @@ def attach(body: Body, source: Source) -> Attached:
         lumped = _symmetric(lumped_mass(body, rows, selected_rows))
     except InterfaceError as error:
         raise InterfaceError(f"{source.name}: {error}") from error
-    if nodes.n_dofs <= RIGID:
+    if nodes.n_dofs <= RIGID_DOFS:
         raise MeshError(
             f"{source.name}: expected nodes that can move against each other, found all of them on "
             "rigid interfaces"
@@ -168,7 +167,7 @@ def assemble_on(body: Body, source: Source) -> Structure:
     attached = attach(body, source)
     nodes, T = attached.nodes, attached.T
     if nodes.n_dofs < source.nodes.n_dofs:
-        n_tied = RIGID * sum(frame.rigid for frame in attached.frames.values())
+        n_tied = RIGID_DOFS * sum(frame.rigid for frame in attached.frames.values())
         K = reduced(K, T, n_tied)
         M = reduced(M, T, n_tied)
     if attached.lumped.nnz:

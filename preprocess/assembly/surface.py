@@ -7,13 +7,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement.validation import Array
-from ..mesh.cells import FACETS
+from ..mesh.cells import FACET_TYPES
 from ..mesh.facets import Patch
 from ..mesh.mesh import IntArray
 from ..mesh.nodes import Nodes, spider
 
-DEGREE = 5
-"""Polynomials up to this degree are integrated exactly on flat facets."""
+SURFACE_QUADRATURE_DEGREE = 5  # of polynomials that are integrated exactly on flat facets
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +55,8 @@ def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, An
     import skfem
     from skfem.quadrature import get_quadrature
 
-    element: skfem.Element = getattr(skfem, FACETS[kind].shapes)()
-    xi, weights = get_quadrature(element.refdom, DEGREE)
+    element: skfem.Element = getattr(skfem, FACET_TYPES[kind].shapes)()
+    xi, weights = get_quadrature(element.refdom, SURFACE_QUADRATURE_DEGREE)
     n, k = facets.shape
     values = [element.lbasis(xi, i) for i in range(k)]
     N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])

@@ -14,8 +14,7 @@ from ..sparse import stacked
 from ..threads import in_order
 from .interfaces import Attachment
 
-PARTS = 32
-"""of the rows of a matrix, of which only some are held twice at once"""
+TIED_ROW_PARTS = 32  # only some of the rows of a matrix are held twice at once
 
 
 def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any, dict[str, Any]]:
@@ -78,7 +77,7 @@ def reduced(matrix: Any, T: Any, n_tied: int) -> Any:
         return sp.hstack([rows[free[part]][:, free], border[part]], format="csr")
 
     last = sp.hstack([border.T, corner], format="csr")
-    parts = np.array_split(np.arange(n_free), PARTS)
+    parts = np.array_split(np.arange(n_free), TIED_ROW_PARTS)
     most = matrix.nnz + 2 * border.nnz + corner.nnz
     return stacked(chain(in_order(piece, parts), [last]), T.shape[1], most)
 

@@ -1,18 +1,21 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
 import os
-import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
     NonNegativeFloat,
+    PlainSerializer,
     PositiveFloat,
     PositiveInt,
     PrivateAttr,
+    SerializationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
     model_validator,
 )
 
@@ -29,7 +32,9 @@ from ...inputs import (
     read_table,
 )
 from ...inputs.names import LONGEST
+from ...superelement import sha256
 from ..errors import BodyError
+from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
 from .loads import LoadPattern
 from .material import Material, Section
@@ -37,14 +42,36 @@ from .selection import InterfaceSelection, Selection
 from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
-Solver = Literal["auto", "factor", "iterative"]
-TRUNCATED: tuple[Method, ...] = ("craig-bampton", "rubin")
-"""methods of as many modes as are asked for"""
+SolverName = Literal["auto", "factor", "iterative"]
+# Of as many modes as are asked for.
+TRUNCATED_METHODS: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
 FilePath = Annotated[Path, Field(strict=False)]
-MOST = 32
-"""modes, or soft shapes, of which the inertia and stiffness of a body may depend"""
+
+
+def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
+    return value if isinstance(value, Mesh) else path_of(value)
+
+
+def _mesh_in_words(mesh: Any, info: SerializationInfo) -> Any:
+    """In JSON the path, or the name of a mesh in memory."""
+    if not info.mode_is_json():
+        return mesh
+    return mesh.name if isinstance(mesh, Mesh) else str(mesh)
+
+
+if TYPE_CHECKING:
+    AnyMesh = Path | Mesh
+else:
+    AnyMesh = Annotated[
+        Path,
+        Field(strict=False),
+        WrapValidator(_mesh_or_path),
+        PlainSerializer(_mesh_in_words),
+    ]
+    """the path of a mesh file or, of a body that is made in Python, a mesh"""
+MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
 def _as_matrix(value: Any) -> Any:
@@ -124,7 +151,7 @@ class Impulse(Table):
     tolerance: PositiveFloat = 1e-6
     band: PositiveFloat | None = None
     modes: PositiveInt | None = None
-    solver: Solver = "auto"
+    solver: SolverName = "auto"
 
     @model_validator(mode="after")
     def _of_this_world(self) -> Self:
@@ -157,10 +184,10 @@ class Impulse(Table):
 
     @model_validator(mode="after")
     def _modes_of_their_methods(self) -> Self:
-        if self.method not in TRUNCATED:
+        if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
-                    f"modes: expected only with method {' or '.join(TRUNCATED)}, "
+                    f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
             return self
@@ -193,10 +220,10 @@ class NonlinearCoordinates(Table):
     not tell what loads stiffen, the lowest modes, and the softest shapes if a number is given.
     """
 
-    modes: Annotated[int, Field(ge=1, le=MOST)] = 4
+    modes: Annotated[int, Field(ge=1, le=MAX_ROTATION_SHAPES)] = 4
     soft: Annotated[
-        Literal["auto"] | Annotated[int, Field(ge=0, le=MOST)],
-        expected(f'"auto" or a number from 0 to {MOST}'),
+        Literal["auto"] | Annotated[int, Field(ge=0, le=MAX_ROTATION_SHAPES)],
+        expected(f'"auto" or a number from 0 to {MAX_ROTATION_SHAPES}'),
     ] = "auto"
     loaded: Annotated[tuple[str, ...], expected("a list of interfaces")] | None = None
     level: Annotated[Literal[1, 2], expected("1 or 2")] = 1
@@ -236,13 +263,15 @@ class Body(Table):
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units.
+    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
+    tetrahedra with nodes in the middle of their edges.
     """
 
     name: str
-    mesh: FilePath | None = None
+    mesh: AnyMesh | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
+    order: Annotated[Literal[1, 2], expected("1 or 2")] = 1
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
@@ -256,6 +285,7 @@ class Body(Table):
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
     _text: str = PrivateAttr(default="")
+    _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_make(self) -> Self:
@@ -264,7 +294,7 @@ class Body(Table):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "recovery", *makes}
+            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "
@@ -384,22 +414,29 @@ class Body(Table):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The file of the mesh, or those of the matrices."""
-        mesh = () if self.mesh is None else (self.mesh,)
+        """The file of the mesh, or those of the matrices; none of a mesh in memory."""
+        mesh = (self.mesh,) if isinstance(self.mesh, Path) else ()
         matrices = () if self.matrices is None else self.matrices.files.values()
         return (*mesh, *matrices)
+
+    @property
+    def digests(self) -> str:
+        """The digests of its files, or of its mesh, by which a superelement knows them again."""
+        if isinstance(self.mesh, Mesh):
+            return self.mesh.sha256
+        return ", ".join(map(sha256, self.files))
 
     def relative_to(self, folder: Path) -> "Body":
         """A copy whose relative paths start from a folder."""
         paths: dict[str, Path | Matrices] = {}
-        if self.mesh is not None:
+        if isinstance(self.mesh, Path):
             paths["mesh"] = folder / self.mesh
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)
         return self.model_copy(update=paths)
 
     def with_modes(self, method: Method, modes: int) -> "Body":
-        """A copy of which the superelement has a number of modes, by a method of `TRUNCATED`.
+        """A copy of which the superelement has a number of modes, by one of `TRUNCATED_METHODS`.
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """
@@ -410,12 +447,12 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
-        if self._text:
-            as_read = Body.model_validate(tomllib.loads(self._text))
-            paths = {"mesh", "matrices"}
-            if as_read.model_dump(exclude=paths) == self.model_dump(exclude=paths):
-                return self._text
-        return self.model_dump_json(exclude_unset=True)
+        unchanged = self._text and self._as_read == self._values()
+        return self._text if unchanged else self.model_dump_json(exclude_unset=True)
+
+    def _values(self) -> dict[str, Any]:
+        """All but the paths, which depend on the folder that the file is read from."""
+        return self.model_dump(exclude={"mesh", "matrices"})
 
 
 def body_schema() -> dict[str, Any]:
@@ -433,5 +470,5 @@ def read_body(path: str | os.PathLike[str]) -> Body:
     except InputError as error:
         raise BodyError(str(error)) from error
     body = body.relative_to(Path(path).parent)
-    body._text = text
+    body._text, body._as_read = text, body._values()
     return body

@@ -8,11 +8,10 @@ from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, mo
 
 from ...inputs import Also, Table
 from ...superelement import Chain
-from .relaxation import MOST, RIPPLE, as_chain, fit
+from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, as_chain, fit
 
 LARGEST_LOSS = 1.0
-WIDEST = 1e9
-"""Ratio of the ends of a band."""
+MAX_BAND_RATIO = 1e9  # of the ends of a band
 LossFactor = Annotated[float, Field(ge=0.0, le=LARGEST_LOSS)]
 
 
@@ -124,10 +123,10 @@ class Damping(Table):
         if self.band is None:
             return self
         low, high = self.band
-        if not 1.0 < high / low <= WIDEST:
+        if not 1.0 < high / low <= MAX_BAND_RATIO:
             raise ValueError(
-                f"band: expected two increasing frequencies, the second {WIDEST:g} times the first "
-                f"at most, found {[low, high]}"
+                f"band: expected two increasing frequencies, the second {MAX_BAND_RATIO:g} times "
+                f"the first at most, found {[low, high]}"
             )
         check_fit(self.loss_factor or 0.0, self.band)
         return self
@@ -152,5 +151,6 @@ def check_fit(loss_factor: float, band: tuple[float, float]) -> None:
     if loss_factor and fit(loss_factor, band) is None:
         raise ValueError(
             f"band: a loss factor of {loss_factor:g} from {band[0]:g} to {band[1]:g} Hz takes more "
-            f"than {MOST} Maxwell elements to {RIPPLE:.0%}: expected a narrower band"
+            f"than {MAX_ELEMENTS} Maxwell elements to {MAX_LOSS_RIPPLE:.0%}: expected a "
+            "narrower band"
         )

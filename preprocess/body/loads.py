@@ -8,7 +8,7 @@ from pydantic import model_validator
 from ...inputs import Vector
 from .selection import Selection
 
-KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
+LOAD_KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
 
 
 class LoadPattern(Selection):
@@ -26,10 +26,10 @@ class LoadPattern(Selection):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        found = [key for key in KINDS if getattr(self, key) is not None]
+        found = [key for key in LOAD_KINDS if getattr(self, key) is not None]
         if len(found) != 1:
             raise ValueError(
-                f"expected one of {', '.join(KINDS)}, found {' and '.join(found) or 'none'}"
+                f"expected one of {', '.join(LOAD_KINDS)}, found {' and '.join(found) or 'none'}"
             )
         if not np.any(getattr(self, found[0])):
             raise ValueError(f"{found[0]}: expected a load, found none")
@@ -57,4 +57,4 @@ class LoadPattern(Selection):
     @property
     def kind(self) -> str:
         """The key that says what the load is."""
-        return next(key for key in KINDS if getattr(self, key) is not None)
+        return next(key for key in LOAD_KINDS if getattr(self, key) is not None)

@@ -11,7 +11,7 @@ from .damping import Damping
 from .material import Material, Section
 from .relaxation import Fit, fit, fitted, stiffening
 
-STIFFNESSES = ("E", "G", "EA", "EI_y", "EI_z", "GJ", "GA_y", "GA_z")
+STIFFNESS_KEYS = ("E", "G", "EA", "EI_y", "EI_z", "GJ", "GA_y", "GA_z")
 """Keys of materials and sections that a softer material scales."""
 
 
@@ -87,7 +87,7 @@ def scaled(body: Body, factors: Mapping[str, float]) -> Body:
 
 def _scaled(part: Section | Material, factor: float) -> Section | Material:
     changes = {}
-    for key in STIFFNESSES:
+    for key in STIFFNESS_KEYS:
         value = getattr(part, key, None)
         if isinstance(value, tuple):
             changes[key] = tuple(factor * entry for entry in value)

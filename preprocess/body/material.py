@@ -36,6 +36,64 @@ class Section(Table):
     orientation: Vector | None = None
     loss_factor: LossFactor | None = None
 
+    @classmethod
+    def rectangle(cls, material: "Material", width: float, height: float, **more: Any) -> "Section":
+        """A full rectangle of an isotropic material: `width` along local y, `height` along z.
+
+        GJ by Saint-Venant's series; shear factors 10 (1 + nu) / (12 + 11 nu) (Cowper 1966).
+        more: other fields, as orientation.
+        """
+        b, a = sorted((width, height))
+        n = np.arange(1.0, 60.0, 2.0)
+        series = np.sum(np.tanh(n * np.pi * a / (2.0 * b)) / n**5)
+        torsion = a * b**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * b / a * series)
+        factor = 10.0 * (1.0 + material.poisson) / (12.0 + 11.0 * material.poisson)
+        I_y, I_z = width * height**3 / 12.0, height * width**3 / 12.0
+        return cls._of(material, width * height, I_y, I_z, float(torsion), factor, more)
+
+    @classmethod
+    def circle(
+        cls, material: "Material", radius: float, inner: float = 0.0, **more: Any
+    ) -> "Section":
+        """A full circle of an isotropic material, or a tube with an inner radius.
+
+        Shear factors 6 (1 + nu) (1 + m^2)^2 / ((7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2) with
+        m = inner / radius (Cowper 1966). more: other fields.
+        """
+        if not 0.0 <= inner < radius:
+            raise ValueError(f"inner: expected less than the radius, {radius}, found {inner}")
+        nu, m = material.poisson, (inner / radius) ** 2
+        factor = 6.0 * (1.0 + nu) * (1.0 + m) ** 2
+        factor /= (7.0 + 6.0 * nu) * (1.0 + m) ** 2 + (20.0 + 12.0 * nu) * m
+        area, inertia = np.pi * (radius**2 - inner**2), np.pi / 4.0 * (radius**4 - inner**4)
+        return cls._of(material, area, inertia, inertia, 2.0 * inertia, factor, more)
+
+    @classmethod
+    def _of(
+        cls,
+        material: "Material",
+        area: float,
+        I_y: float,
+        I_z: float,
+        torsion: float,
+        factor: float,
+        more: dict[str, Any],
+    ) -> "Section":
+        """A Timoshenko section of one isotropic material, from its moments of area."""
+        E, G, rho = material.young, material.shear, material.rho
+        of_shape = {
+            "EA": E * area,
+            "EI_y": E * I_y,
+            "EI_z": E * I_z,
+            "GJ": G * torsion,
+            "GA_y": factor * G * area,
+            "GA_z": factor * G * area,
+            "mass_per_length": rho * area,
+            "polar_inertia_per_length": rho * (I_y + I_z),
+        }
+        given: dict[str, Any] = {key: float(value) for key, value in of_shape.items()}
+        return cls(**given, **more)
+
     @property
     def density(self) -> float:
         """Mass per length [kg/m]."""
@@ -63,7 +121,7 @@ Ratios = Annotated[
     Annotated[Ratio, Tag("(number)")] | Annotated[Vector, Tag("(three)")], Discriminator(_tag)
 ]
 
-STRESSES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+STRESS_ORDER = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """The order of stresses and of strains, xx, yy, zz, yz, xz, xy; shear strains are engineering's,
 twice the tensor's.
 """
@@ -143,9 +201,29 @@ class Material(Table):
         return self
 
     @property
+    def young(self) -> float:
+        """E of an isotropic material [Pa]; ValueError for others."""
+        return self._isotropic(self.E)
+
+    @property
+    def poisson(self) -> float:
+        """nu of an isotropic material; ValueError for others."""
+        return self._isotropic(self.nu)
+
+    @property
+    def shear(self) -> float:
+        """G of an isotropic material [Pa]; ValueError for others."""
+        return self.young / (2.0 * (1.0 + self.poisson))
+
+    def _isotropic(self, value: Any) -> float:
+        if self.G is not None or not isinstance(value, int | float):
+            raise ValueError("expected an isotropic material, of E and nu alone")
+        return float(value)
+
+    @property
     def elasticity(self) -> Array:
-        """C (6, 6) [Pa] in mesh axes, in the order of `STRESSES`: stresses = C strains."""
-        i, j = np.array(STRESSES).T
+        """C (6, 6) [Pa] in mesh axes, in the order of `STRESS_ORDER`: stresses = C strains."""
+        i, j = np.array(STRESS_ORDER).T
         C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
         return C
 

@@ -9,13 +9,10 @@ from scipy.optimize import nnls
 from ...superelement.chain import Chain
 from ...superelement.validation import Array
 
-RIPPLE = 0.02
-"""Deviation of the loss factor within the band, relative to it, that is allowed."""
-MOST = 30
-"""Elements, which no band needs whose materials are known."""
-PER_DECADE = 60
-"""Frequencies of the fit."""
-OVERHANGS = np.linspace(-1.0, 2.0, 31)
+MAX_LOSS_RIPPLE = 0.02  # deviation of the loss factor within the band, relative to it
+MAX_ELEMENTS = 30  # no band needs them whose materials are known
+PER_DECADE = 60  # frequencies of the fit
+BAND_OVERHANGS = np.linspace(-1.0, 2.0, 31)
 """By which the first and the last relaxation time may lie beyond the ends of the band, as powers of
 e.
 """
@@ -32,8 +29,7 @@ class Fit:
 
 @lru_cache(maxsize=64)
 def fit(loss_factor: float, band: tuple[float, float]) -> Fit | None:
-    """The fewest elements whose loss factor is constant over a band [Hz] to `RIPPLE`; None for
-    none.
+    """The fewest elements of a loss factor constant over a band [Hz] to `MAX_LOSS_RIPPLE`, or None.
 
         c(w) = 1 + sum_k a_k X_k,   X_k = i w tau_k / (1 + i w tau_k)
         Im c = loss_factor Re c:    sum_k a_k (Im X_k - loss_factor Re X_k) = loss_factor,  a_k >= 0
@@ -41,10 +37,10 @@ def fit(loss_factor: float, band: tuple[float, float]) -> Fit | None:
     at frequencies that are equally spaced by their logarithm, by least squares; times are spaced so
     as well. Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), ch. 23.
     """
-    for n in range(1, MOST + 1):
-        fits = [fitted(loss_factor, band, _times(band, n, overhang)) for overhang in OVERHANGS]
+    for n in range(1, MAX_ELEMENTS + 1):
+        fits = [fitted(loss_factor, band, _times(band, n, overhang)) for overhang in BAND_OVERHANGS]
         best = min(fits, key=lambda found: found.ripple)
-        if best.ripple <= RIPPLE:
+        if best.ripple <= MAX_LOSS_RIPPLE:
             return best
     return None
 

@@ -141,6 +141,16 @@ class Selection(Table):
             raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(others))}")
         return self
 
+    def __and__(self, other: "Selection") -> "Selection":
+        """What both select; ValueError where both give the same key, as two planes do."""
+        keys = self.model_fields_set & other.model_fields_set
+        if twice := sorted(keys - {"tolerance"}):
+            raise ValueError(
+                f"expected selections by different keys, found {' and '.join(twice)} twice"
+            )
+        given = self.model_dump(exclude_unset=True) | other.model_dump(exclude_unset=True)
+        return Selection.model_validate(given)
+
     @property
     def selectors(self) -> set[str]:
         """The keys that select something."""

@@ -12,8 +12,7 @@ from ..mesh.mesh import IntArray
 from ..sparse import stacked
 from ..threads import in_order
 
-PIECE = 2**16
-"""Blocks in a piece of the rows of a matrix, so that they stay in the cache."""
+BLOCKS_PER_PIECE = 2**16  # of the rows of a matrix, so that they stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +58,8 @@ class Pattern:
         return stacked(pieces, b * copies * self.n_nodes, b * b * copies * self.numbers.nnz)
 
     def _pieces(self) -> Iterator[slice]:
-        """Nodes that follow each other, with some PIECE blocks in their rows."""
-        steps = np.arange(PIECE, self.numbers.nnz, PIECE)
+        """Nodes that follow each other, with some BLOCKS_PER_PIECE blocks in their rows."""
+        steps = np.arange(BLOCKS_PER_PIECE, self.numbers.nnz, BLOCKS_PER_PIECE)
         ends = [*np.unique(np.searchsorted(self.numbers.indptr, steps)).tolist(), self.n_nodes]
         return (slice(a, b) for a, b in zip([0, *ends], ends, strict=False) if a < b)
 

@@ -26,8 +26,8 @@ from functools import cache, cached_property
 import numpy as np
 
 from ...superelement.validation import Array
-from ..body.material import STRESSES, Material
-from ..mesh.cells import SOLIDS, SolidType
+from ..body.material import STRESS_ORDER, Material
+from ..mesh.cells import SOLID_TYPES, SolidType
 from .element import SolidElement, cofactors, physical, points_of, reference
 
 
@@ -46,7 +46,7 @@ def _of_tetrahedron(xi: Array) -> Array:
     return np.array([[y * z * (last - x), x * z * (last - y), x * y * (last - z)]])
 
 
-MODES: dict[str, Callable[[Array], Array]] = {
+INCOMPATIBLE_MODES: dict[str, Callable[[Array], Array]] = {
     "hexahedron": _of_hexahedron,
     "wedge": _of_wedge,
     "tetrahedron": _of_tetrahedron,
@@ -169,7 +169,7 @@ class Strained:
         """(n, 3 (k + m), 3 (k + m)) of nodes and modes."""
         n, c, _, q = self.dN.shape
         B = self.dN.reshape(n, 3 * c, q)
-        places = PLACE.ravel()
+        places = STRESS_NUMBER.ravel()
         tensor = self.C[places[:, None], places].reshape(3, 3, 3, 3)
         # The integrals of gradients know no material: each pair has nine, which C contracts.
         G = ((B * self.dV[:, None]) @ B.transpose(0, 2, 1)).reshape(n, c, 3, c, 3)
@@ -181,7 +181,7 @@ class Strained:
             # r y + y r, y = s r / 18 - 1.C e / 3.
             r = B - B @ self.projected.transpose(0, 2, 1)
             pressed = self.C[:, :3].sum(axis=1)
-            work = (pressed[PLACE] @ self.dN).reshape(n, 3 * c, q)
+            work = (pressed[STRESS_NUMBER] @ self.dN).reshape(n, 3 * c, q)
             y = (pressed[:3].sum() / 18.0 * r - work / 3.0) * self.dV[:, None]
             product = r @ y.transpose(0, 2, 1)
             K = K + product + product.transpose(0, 2, 1)
@@ -203,7 +203,7 @@ class Strained:
         dN, _ = self.assumed.gradients(xi, self.X)
         n, c, _, s = dN.shape
         by_axis = np.zeros((n, 6, c, 3, s))
-        for row, (a, b) in enumerate(STRESSES):
+        for row, (a, b) in enumerate(STRESS_ORDER):
             by_axis[:, row, :, a] += dN[:, :, b]
             if a != b:
                 by_axis[:, row, :, b] += dN[:, :, a]
@@ -219,13 +219,12 @@ class Strained:
         )
 
 
-PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
-"""The number of a stress in the order of `STRESSES`."""
+STRESS_NUMBER = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # of the stress ij in `STRESS_ORDER`
 
 
 def assumed(kind: str, material: Material) -> Assumed:
     """The strains of a type of solid, by meshio's name, of a material."""
-    return _assumed(SOLIDS[kind], material.nearly_incompressible)
+    return _assumed(SOLID_TYPES[kind], material.nearly_incompressible)
 
 
 @cache
@@ -235,5 +234,5 @@ def _assumed(solid: SolidType, nearly_incompressible: bool) -> Assumed:
         return Assumed(element, element.xi, element.weights, None, 0)
     # Modes and nodes of corners hold strains that are linear, which these points integrate.
     xi, weights = points_of(solid, solid.sampling) if solid.locks else (element.xi, element.weights)
-    modes = None if solid.modes is None else MODES[solid.modes]
+    modes = None if solid.modes is None else INCOMPATIBLE_MODES[solid.modes]
     return Assumed(element, xi, weights, modes, solid.terms)

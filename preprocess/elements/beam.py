@@ -11,9 +11,8 @@ from ..body.material import Section
 from ..errors import MeshError
 from ..mesh.mesh import Mesh
 
-VERTICAL = 1e-3
-"""Sine of the angle to e_z below which a beam counts as vertical."""
-STATIONS = (0.5 * (leggauss(4)[0] + 1.0), 0.5 * leggauss(4)[1])
+MIN_SINE_TO_VERTICAL = 1e-3  # to e_z, below which a beam counts as vertical
+BEAM_GAUSS_POINTS = (0.5 * (leggauss(4)[0] + 1.0), 0.5 * leggauss(4)[1])
 """Gauss points in [0, 1] and their weights, exact for the mass and all else of an element."""
 
 
@@ -75,7 +74,7 @@ def lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]
     x = along / lengths[:, None]
 
     horizontal = np.cross([0.0, 0.0, 1.0], x)
-    vertical = np.linalg.norm(horizontal, axis=1) < VERTICAL
+    vertical = np.linalg.norm(horizontal, axis=1) < MIN_SINE_TO_VERTICAL
     y = np.where(vertical[:, None], [0.0, 1.0, 0.0], horizontal)
     for i, section in enumerate(sections):
         if section.orientation is not None:
@@ -176,7 +175,7 @@ def _local_mass(L: Array, p: BeamProperties) -> Array:
 def _bending_mass(L: Array, mass: Array, rotary: Array, Phi: Array) -> Array:
     """(n, 4, 4): integral of mass N^T N + rotary T^T T."""
     M = np.zeros((len(L), 4, 4))
-    for xi, weight in zip(*STATIONS, strict=True):
+    for xi, weight in zip(*BEAM_GAUSS_POINTS, strict=True):
         N, T = _bending_shapes(xi, L, Phi)
         M += (weight * mass * L)[:, None, None] * N[:, :, None] * N[:, None, :]
         M += (weight * rotary * L)[:, None, None] * T[:, :, None] * T[:, None, :]

@@ -5,7 +5,7 @@ import numpy as np
 from ...superelement.validation import Array
 from ..body.material import Section
 from ..mesh.mesh import IntArray, Mesh
-from .beam import STATIONS, beam_properties, lengths_and_axes, section_motion
+from .beam import BEAM_GAUSS_POINTS, beam_properties, lengths_and_axes, section_motion
 
 
 def line_forces(mesh: Mesh, sections: list[Section], rows: IntArray, density: Array) -> Array:
@@ -18,7 +18,7 @@ def line_forces(mesh: Mesh, sections: list[Section], rows: IntArray, density: Ar
     local = np.zeros((len(L), 12))
     properties = beam_properties(sections, L)
     along = np.einsum("eij,j->ei", axes, density)
-    for xi, weight in zip(*STATIONS, strict=True):
+    for xi, weight in zip(*BEAM_GAUSS_POINTS, strict=True):
         motion = section_motion(float(xi), L, properties)[:, :3]
         local += (weight * L)[:, None] * np.einsum("eij,ei->ej", motion, along)
     parts = local.reshape(-1, 4, 3)

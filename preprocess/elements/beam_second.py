@@ -12,7 +12,7 @@ from ..errors import BodyError
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import node_dofs
 from .beam import (
-    STATIONS,
+    BEAM_GAUSS_POINTS,
     BeamProperties,
     beam_properties,
     lengths_and_axes,
@@ -21,12 +21,11 @@ from .beam import (
 )
 from .inertia import Moved, Pieces, cross
 
-BATCH = 2**22
-"""Numbers in the second order strains of a batch of elements."""
-ROWS = 6 * len(STATIONS[0]) + 12
-"""Strains of an element: six at each station, and the motion of its ends."""
-ALONG = np.array([1.0, 0.0, 0.0])
-HALVED = np.array([1.0, 0.5, 1.0, 0.5])[:, None, None]
+BEAM_BATCH = 2**22  # numbers in the second order strains of a batch of elements
+# Six at each station, and the motion of its ends.
+BEAM_STRAIN_ROWS = 6 * len(BEAM_GAUSS_POINTS[0]) + 12
+AXIS_OF_BEAM = np.array([1.0, 0.0, 0.0])
+ROTATION_HALVES = np.array([1.0, 0.5, 1.0, 0.5])[:, None, None]
 """A turn w adds w x u to displacements, and 1/2 w x theta to rotation vectors."""
 
 
@@ -71,7 +70,7 @@ class BeamTensors:
         changes, motion = self._sections().changes(), self._section_motions()
         loads = np.einsum("pdi,pij->pjd", changes, motion, optimize=True)
         F = np.zeros((self.n_dofs, 6))
-        np.add.at(F, np.tile(self.dofs, (len(STATIONS[0]), 1)), loads)
+        np.add.at(F, np.tile(self.dofs, (len(BEAM_GAUSS_POINTS[0]), 1)), loads)
         return F
 
     def inertia(self, motions: Array) -> Array:
@@ -98,7 +97,7 @@ class BeamTensors:
         """
         r = motions.shape[1]
         total = np.zeros((u.shape[1], r, r))
-        for part in self._batches(ROWS * r * (r + u.shape[1])):
+        for part in self._batches(BEAM_STRAIN_ROWS * r * (r + u.shape[1])):
             a, b = part._state(u), part._state(motions)
             total += np.einsum("ia,ikl->akl", a.stress, _second_strains(b, b), optimize=True)
             mixed = np.einsum("ik,ial->akl", b.stress, _second_strains(a, b), optimize=True)
@@ -111,7 +110,7 @@ class BeamTensors:
 
     def _batches(self, numbers: int) -> Iterator["BeamTensors"]:
         """Some elements at a time, of each of which so many numbers are made."""
-        size = max(1, BATCH // numbers)
+        size = max(1, BEAM_BATCH // numbers)
         for first in range(0, len(self.L), size):
             yield self._part(slice(first, first + size))
 
@@ -129,7 +128,7 @@ class BeamTensors:
 
     def _sections(self) -> Pieces:
         """The sections at all stations as rigid pieces, stations first."""
-        p, (xi, weights) = self.properties, STATIONS
+        p, (xi, weights) = self.properties, BEAM_GAUSS_POINTS
         local = np.stack([p.polar, p.rotary_y, p.rotary_z], axis=1)
         inertia = np.einsum("eai,ea,eaj->eij", self.axes, local * self.L[:, None], self.axes)
         X = np.einsum("gk,eki->gei", np.stack([1.0 - xi, xi], axis=1), self.ends)
@@ -143,13 +142,13 @@ class BeamTensors:
         """Displacement and rotation of the sections from the dofs of their elements (p, 6, 12), in
         mesh axes.
         """
-        local = [section_motion(xi, self.L, self.properties) for xi in STATIONS[0]]
+        local = [section_motion(xi, self.L, self.properties) for xi in BEAM_GAUSS_POINTS[0]]
         back = np.kron(np.eye(2), self.axes.transpose(0, 2, 1))
         return np.concatenate([back @ motion @ self._turn for motion in local])
 
     def _at_sections(self, motions: Array) -> tuple[Array, Array]:
         """Displacements and rotations (3, p, r) of the sections."""
-        stations = np.tile(motions[self.dofs], (len(STATIONS[0]), 1, 1))
+        stations = np.tile(motions[self.dofs], (len(BEAM_GAUSS_POINTS[0]), 1, 1))
         fields = np.transpose(self._section_motions() @ stations, (1, 0, 2))
         return fields[:3], fields[3:]
 
@@ -178,21 +177,23 @@ class BeamTensors:
 
     def _turned(self, ends: Array) -> tuple[Array, Array]:
         """What the ends (3, 4, n, r) do as the element turns, and its rotation (3, 1, n, r)."""
-        chord = cross(ALONG[:, None, None], ends[:, 2] - ends[:, 0]) / self.L[:, None]
-        spin = chord + 0.5 * ALONG[:, None, None] * (ends[:, 1] + ends[:, 3])
-        arm = np.outer(ALONG, self.L)[:, :, None]
+        chord = cross(AXIS_OF_BEAM[:, None, None], ends[:, 2] - ends[:, 0]) / self.L[:, None]
+        spin = chord + 0.5 * AXIS_OF_BEAM[:, None, None] * (ends[:, 1] + ends[:, 3])
+        arm = np.outer(AXIS_OF_BEAM, self.L)[:, :, None]
         return np.stack([0.0 * spin, spin, cross(spin, arm), spin], axis=1), spin[:, None]
 
     def _fields(self, d: Array, derivative: int) -> Array:
         """Displacement and rotation (6, p, r) of sections in local axes, or a derivative."""
-        stations = [section_motion(xi, self.L, self.properties, derivative) for xi in STATIONS[0]]
+        stations = [
+            section_motion(xi, self.L, self.properties, derivative) for xi in BEAM_GAUSS_POINTS[0]
+        ]
         return np.concatenate([motion @ d for motion in stations]).transpose(1, 0, 2)
 
     def _forces(self, first: Array, second: Array) -> Array:
         """N, Q, M (6, p, r), times the weight of each station."""
         p = self.properties
         stiffness = np.stack([p.EA, -p.EI_z, p.EI_y, p.GJ, p.EI_y, p.EI_z]) * self.L
-        weighted = np.einsum("g,ie->ige", STATIONS[1], stiffness).reshape(6, -1, 1)
+        weighted = np.einsum("g,ie->ige", BEAM_GAUSS_POINTS[1], stiffness).reshape(6, -1, 1)
         return np.asarray(weighted * np.stack([first[0], second[5], second[4], *first[3:]]))
 
 
@@ -216,11 +217,11 @@ def _second_strains(a: _State, b: _State) -> Array:
     ub, wb, kb, sb, db = (
         _columns_of(x) for x in (b.slope, b.rotation, b.curvature, b.spin, b.ends)
     )
-    e1 = ALONG[:, None, None, None]
+    e1 = AXIS_OF_BEAM[:, None, None, None]
     stretch = 0.5 * (cross(wa, cross(wb, e1)) + cross(wb, cross(wa, e1)))
     stretch -= cross(wa, ub) + cross(wb, ua)
     bending = -0.5 * (cross(wa, kb) + cross(wb, ka))
-    turning = -HALVED[..., None] * (cross(sa, db) + cross(sb, da))
+    turning = -ROTATION_HALVES[..., None] * (cross(sa, db) + cross(sb, da))
     return np.concatenate(
         [part.reshape(-1, *part.shape[-2:]) for part in (stretch, bending, turning)]
     )

@@ -5,18 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...superelement.validation import Array
-from ..body.material import STRESSES, Material
+from ..body.material import STRESS_ORDER, Material
 from ..mesh.mesh import IntArray, Mesh
 from .assumed import assumed
 from .batches import batched
 from .element import cofactors, solid_element
 
-LINEAR = ("tetra", "hexahedron", "wedge")
+CORNER_NODE_SOLIDS = ("tetra", "hexahedron", "wedge")
 """Solids with nodes at their corners alone; others hold pure bending exactly."""
-LOOKED_AT = 4096
-"""Elements of a type that are looked at, evenly over the mesh."""
-BATCH = 512
-"""Elements at a time."""
+LOOKED_AT = 4096  # elements of a type that are looked at, evenly over the mesh
+BENDING_BATCH_ELEMENTS = 512
 
 
 def bending_excess(mesh: Mesh, materials: Sequence[Material], owners: IntArray) -> float:
@@ -37,11 +35,11 @@ def bending_excess(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     s = _stretched(materials[int(np.bincount(owners).argmax())], axes[2])
     energies = np.zeros((2, 2))
     for kind in mesh.elements:
-        if kind not in LINEAR:
+        if kind not in CORNER_NODE_SOLIDS:
             return 1.0
         of_kind = mesh.of_kind(owners, kind)
         looked_at = np.unique(np.linspace(0, len(of_kind) - 1, LOOKED_AT).astype(np.int64))
-        for owner, some in batched(of_kind[looked_at], BATCH):
+        for owner, some in batched(of_kind[looked_at], BENDING_BATCH_ELEMENTS):
             cells = mesh.cells[kind][looked_at[some]]
             for row, d in enumerate(axes[:2]):
                 energies[row] += _energies(kind, X[cells], materials[owner], s, d)
@@ -51,7 +49,7 @@ def bending_excess(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
 
 def _stretched(material: Material, along: Array) -> Array:
     """Strains (3, 3) of a material under a stress along a direction, 1 along it."""
-    i, j = np.array(STRESSES).T
+    i, j = np.array(STRESS_ORDER).T
     six = np.linalg.solve(material.elasticity, along[i] * along[j])
     strains = np.zeros((3, 3))
     strains[i, j] = strains[j, i] = np.where(i == j, six, 0.5 * six)

@@ -9,7 +9,7 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import Refdom, RefLine, RefTri, RefWedge
 
 from ...superelement.validation import Array
-from ..mesh.cells import SOLIDS, SolidType
+from ..mesh.cells import SOLID_TYPES, SolidType
 from ..mesh.mesh import IntArray
 
 
@@ -103,7 +103,7 @@ def points_of(solid: SolidType, degree: int) -> tuple[Array, Array]:
 
 def solid_element(kind: str) -> SolidElement:
     """The reference element of a type of solid, by meshio's name."""
-    return reference(SOLIDS[kind])
+    return reference(SOLID_TYPES[kind])
 
 
 @cache

@@ -11,14 +11,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...superelement.validation import Array
-from ..body.material import STRESSES
+from ..body.material import STRESS_ORDER
 from ..errors import BodyError
 from ..mesh.mesh import IntArray
 
-CROSS = np.zeros((3, 3, 3))
-"""(a x b)_i = CROSS_ijk a_j b_k"""
+LEVI_CIVITA = np.zeros((3, 3, 3))  # (a x b)_i = LEVI_CIVITA_ijk a_j b_k
 for _i in range(3):
-    CROSS[_i, _i - 2, _i - 1], CROSS[_i, _i - 1, _i - 2] = 1.0, -1.0
+    LEVI_CIVITA[_i, _i - 2, _i - 1], LEVI_CIVITA[_i, _i - 1, _i - 2] = 1.0, -1.0
 
 
 Moved = tuple[IntArray, Array]
@@ -27,7 +26,7 @@ Moved = tuple[IntArray, Array]
 
 def vector_of(tensors: Array) -> Array:
     """The six numbers (6, ...) of symmetric matrices (3, 3, ...)."""
-    rows, columns = np.array(STRESSES).T
+    rows, columns = np.array(STRESS_ORDER).T
     six: Array = tensors[rows, columns]
     return six
 
@@ -56,7 +55,7 @@ class Pieces:
         """
         moments = self.mass[:, None] * self.X
         moved = of_moments(moments)
-        spun = np.einsum("ika,paj->ijpk", CROSS, self.inertia)
+        spun = np.einsum("ika,paj->ijpk", LEVI_CIVITA, self.inertia)
         turned = vector_of(spun + spun.swapaxes(0, 1))
         return np.concatenate([moved, turned], axis=2).transpose(1, 0, 2)
 
@@ -70,7 +69,7 @@ class Pieces:
 
     def _turned(self, w: Array) -> Array:
         """The part (3, 3, r, r) of the second derivative that comes from rotations."""
-        W = np.einsum("iba,bpk->piak", CROSS, w)
+        W = np.einsum("iba,bpk->piak", LEVI_CIVITA, w)
         Wj = np.einsum("pabl,pbj->pajl", W, self.inertia)
         jW = np.einsum("pab,pbjl->pajl", self.inertia, W)
         twice = np.einsum("piak,pajl->ijkl", W, Wj, optimize=True)
@@ -84,9 +83,9 @@ class Pieces:
         m u x u' + w x j w' - 1/2 j (w x w')
         """
         jw = np.einsum("pij,jpk->ipk", self.inertia, w)
-        path = np.einsum("iab,p,apk,bpl->ikl", CROSS, self.mass, u, u, optimize=True)
-        spin = np.einsum("iab,apk,bpl->ikl", CROSS, w, jw, optimize=True)
-        drift = np.einsum("pij,jab,apk,bpl->ikl", self.inertia, CROSS, w, w, optimize=True)
+        path = np.einsum("iab,p,apk,bpl->ikl", LEVI_CIVITA, self.mass, u, u, optimize=True)
+        spin = np.einsum("iab,apk,bpl->ikl", LEVI_CIVITA, w, jw, optimize=True)
+        drift = np.einsum("pij,jab,apk,bpl->ikl", self.inertia, LEVI_CIVITA, w, w, optimize=True)
         return np.asarray(path + spin - 0.5 * drift)
 
 
@@ -133,7 +132,7 @@ class NodalTensors:
 
     def gyroscopic(self, motions: Array) -> Array:
         """h (3, r, r): the angular momentum h(q, q') of motions."""
-        return np.asarray(np.einsum("iab,abkl->ikl", CROSS, self._products(motions)))
+        return np.asarray(np.einsum("iab,abkl->ikl", LEVI_CIVITA, self._products(motions)))
 
     def third(self, u: Array, motions: Array) -> Array:
         """`BodyError`: masses have no strain energy."""

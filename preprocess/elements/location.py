@@ -10,10 +10,10 @@ from ..errors import BodyError
 from ..mesh.mesh import Mesh
 from .element import SolidElement, solid_element
 
-OUTSIDE = 1e-2
+MAX_OVERSHOOT = 1e-2
 """how far beyond an element a point may lie, relative to it: on a curved surface, or by rounding"""
-ITERATIONS = 30
-CONVERGED = 1e-12
+MAX_LOCATION_STEPS = 30
+LOCATION_TOLERANCE = 1e-12
 
 
 class Location(NamedTuple):
@@ -35,9 +35,9 @@ def locate(mesh: Mesh, point: Array) -> Location:
         solid = solid_element(kind)
         for row in np.flatnonzero(near).tolist():
             xi = _inverse(solid, corners[row], point)
-            if (missed := _beyond(solid.shapes.refdom, xi)) < beyond - CONVERGED:
+            if (missed := _beyond(solid.shapes.refdom, xi)) < beyond - LOCATION_TOLERANCE:
                 best, beyond = Location(kind, row, xi), missed
-    if best is None or beyond > OUTSIDE:
+    if best is None or beyond > MAX_OVERSHOOT:
         nearest = mesh.points[np.linalg.norm(mesh.points - point, axis=1).argmin()]
         raise BodyError(
             f"expected a point within the body, found {point.tolist()}, which is in no element; "
@@ -49,7 +49,7 @@ def locate(mesh: Mesh, point: Array) -> Location:
 def _inverse(solid: SolidElement, corners: Array, point: Array) -> Array:
     """xi (3,) with x(xi) = point in an element with nodes (k, 3), by Newton's method."""
     xi = solid.nodes.mean(axis=1)
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_LOCATION_STEPS):
         at = xi[:, None]
         missed = point - solid.N(at)[:, 0] @ corners
         J = corners.T @ solid.dN(at)[:, :, 0]
@@ -58,7 +58,7 @@ def _inverse(solid: SolidElement, corners: Array, point: Array) -> Array:
         except np.linalg.LinAlgError:
             break
         xi = np.clip(xi + change, -2.0, 3.0)
-        if np.abs(change).max() < CONVERGED:
+        if np.abs(change).max() < LOCATION_TOLERANCE:
             return np.asarray(xi)
     return np.full(3, np.inf)
 

@@ -10,13 +10,13 @@ from ..body.material import Section
 from ..errors import BodyError
 from ..mesh.mesh import Mesh
 from .beam import beam_properties, lengths_and_axes, section_motion
-from .inertia import CROSS
+from .inertia import LEVI_CIVITA
 
-FARTHEST = 20.0
+MAX_RADII_FROM_AXIS = 20.0
 """distance from the axis over the largest radius of gyration of the section, beyond which a point
 is not of the beam
 """
-ALONG = 1e-6
+MAX_SINE_TO_AXIS = 1e-6
 """sine of the angle between a gauge and the axis of its beam, up to which they are parallel"""
 
 
@@ -49,7 +49,7 @@ class Beams:
         arms = apart - (xi * self._L)[:, None] * self._axes[:, 0]
         distance = np.linalg.norm(arms, axis=1)
         line = int(distance.argmin())
-        if distance[line] > FARTHEST * self._radius[line] + 1e-6 * self._mesh.size:
+        if distance[line] > MAX_RADII_FROM_AXIS * self._radius[line] + 1e-6 * self._mesh.size:
             raise BodyError(
                 f"expected a point on a beam or beside its axis, found {point.tolist()}, "
                 f"{distance[line]:.3g} m from the nearest line"
@@ -59,7 +59,7 @@ class Beams:
     def displacement_rows(self, place: SectionPoint) -> Any:
         """Rows (3, 6 n): the displacement u + w x arm of a point of a section, in mesh axes."""
         axes, motion = self._axes[place.line], self._motion(place, 0)
-        moved = motion[:3] + np.einsum("ijk,jd,k->id", CROSS, motion[3:], place.arm)
+        moved = motion[:3] + np.einsum("ijk,jd,k->id", LEVI_CIVITA, motion[3:], place.arm)
         return self._spread(axes.T @ moved, place.line)
 
     def strain_rows(self, place: SectionPoint, direction: Array) -> Any:
@@ -68,7 +68,7 @@ class Beams:
         `BodyError` for a gauge askew to the axis, where beams know no strain.
         """
         axis = self._axes[place.line, 0]
-        if np.linalg.norm(np.cross(axis, direction)) > ALONG:
+        if np.linalg.norm(np.cross(axis, direction)) > MAX_SINE_TO_AXIS:
             raise BodyError(
                 f"direction: expected that of the beam, {axis.tolist()}, found {direction.tolist()}"
             )

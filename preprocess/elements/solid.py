@@ -15,12 +15,11 @@ from .assumed import assumed
 from .batches import batched
 from .element import cofactors, physical, solid_element
 
-FLAT = 1e-10
+MIN_RELATIVE_JACOBIAN = 1e-10
 """The Jacobian of an element, relative to the cube of its diameter, below which it counts as
 degenerate.
 """
-BATCH = 2**17
-"""Numbers in the gradients of a batch of elements, so that they stay in the cache."""
+GRADIENT_BATCH = 2**17  # numbers of a batch of elements, so that they stay in the cache
 
 
 def solid_matrices(mesh: Mesh, materials: Sequence[Material], owners: IntArray) -> tuple[Any, Any]:
@@ -60,7 +59,7 @@ class _Batch(NamedTuple):
 def _batches(mesh: Mesh, owners: IntArray) -> Iterator[_Batch]:
     for kind in mesh.elements:
         element = solid_element(kind)
-        size = max(1, BATCH // (3 * len(element.order) * len(element.weights)))
+        size = max(1, GRADIENT_BATCH // (3 * len(element.order) * len(element.weights)))
         for owner, rows in batched(mesh.of_kind(owners, kind), size):
             yield _Batch(kind, owner, rows)
 
@@ -94,7 +93,9 @@ def volumes(mesh: Mesh) -> Array:
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)
         dN = element.dN(element.xi)
-        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), max(1, BATCH // dN.size)):
+        for _, rows in batched(
+            np.zeros(len(cells), dtype=np.int64), max(1, GRADIENT_BATCH // dN.size)
+        ):
             batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
     return np.concatenate(batches)
 
@@ -108,16 +109,16 @@ def check_jacobians(mesh: Mesh) -> None:
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)
         dN = element.dN(element.xi)
-        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), BATCH // dN.size):
+        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), GRADIENT_BATCH // dN.size):
             X = mesh.points[cells[rows]]
             lowest.append(cofactors(dN, X)[1].min(axis=1))
             relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)
     worst = np.concatenate(relative)
-    bad = np.flatnonzero(worst <= FLAT)
+    bad = np.flatnonzero(worst <= MIN_RELATIVE_JACOBIAN)
     if bad.size:
         number = int(bad[0])
         kind, row = mesh.element(number)
-        state = "inverted" if worst[number] < -FLAT else "degenerate"
+        state = "inverted" if worst[number] < -MIN_RELATIVE_JACOBIAN else "degenerate"
         groups = [name for name, group in mesh.groups.items() if row in group.cells.get(kind, ())]
         middle = mesh.points[mesh.cells[kind][row]].mean(axis=0).tolist()
         raise MeshError(

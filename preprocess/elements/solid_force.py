@@ -5,13 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...superelement.validation import Array
-from ..mesh.cells import FACETS
+from ..mesh.cells import FACET_TYPES
 from ..mesh.facets import Patch
 from ..mesh.mesh import IntArray, Mesh
 from .element import cofactors, solid_element
 
-DEGREE = 5
-"""Polynomials up to this degree are integrated exactly on flat facets."""
+FACET_QUADRATURE_DEGREE = 5  # of polynomials that are integrated exactly on flat facets
 
 
 def pressure_forces(points: Array, patch: Patch, pressure: float) -> Array:
@@ -56,8 +55,8 @@ def _normals(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array]:
     import skfem
     from skfem.quadrature import get_quadrature
 
-    element = getattr(skfem, FACETS[kind].shapes)()
-    xi, weights = get_quadrature(element.refdom, DEGREE)
+    element = getattr(skfem, FACET_TYPES[kind].shapes)()
+    xi, weights = get_quadrature(element.refdom, FACET_QUADRATURE_DEGREE)
     values = [element.lbasis(xi, i) for i in range(facets.shape[1])]
     N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
     dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])

@@ -11,12 +11,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...superelement.validation import Array
-from ..body.material import STRESSES, Material
+from ..body.material import STRESS_ORDER, Material
 from ..mesh.mesh import IntArray, Mesh
-from .assumed import PLACE, Strained, assumed
+from .assumed import STRESS_NUMBER, Strained, assumed
 from .inertia import Moved, NodalTensors
 
-BATCH = 2**18
+PRODUCT_BATCH = 2**18
 """Numbers in the products of gradients of a batch of elements, so that they stay in the cache."""
 
 
@@ -79,7 +79,7 @@ class SolidTensors(NodalTensors):
                 strains, C = assumed(kind, material), material.elasticity
                 rows_of = np.flatnonzero(self.mesh.of_kind(self.owners, kind) == number)
                 per_point = 9 * columns + 6 * strains.columns**2
-                size = max(1, BATCH // (per_point * len(strains.weights)))
+                size = max(1, PRODUCT_BATCH // (per_point * len(strains.weights)))
                 for start in range(0, len(rows_of), size):
                     nodes = cells[rows_of[start : start + size]]
                     strained = strains.on(self.mesh.points[nodes], C)
@@ -92,7 +92,7 @@ class _Batch:
 
     dofs (n, k, 3) of their nodes. Displacements (n, k + m, 3, r) of nodes and incompatible modes;
     gradients (n, 3, q, 3, r): du_i/dx_m at [:, m, :, i]; strains (6, n, q, r) in the order of
-    `STRESSES`, and stresses (n, 3, q, 3, r) placed as gradients.
+    `STRESS_ORDER`, and stresses (n, 3, q, 3, r) placed as gradients.
     """
 
     dofs: IntArray
@@ -137,12 +137,12 @@ class _Batch:
         strains = self.strained.with_projected_trace(_strains(self.gradients(u)))
         sigma = self._stress(strains).swapaxes(0, 1)
         slopes = self.dN[:, :, None], (self.dN * self.dV[:, None, None])[:, None]
-        products = [_symmetric(*slopes, i, j) for i, j in STRESSES]
+        products = [_symmetric(*slopes, i, j) for i, j in STRESS_ORDER]
         G = np.stack(products, axis=3).reshape(n, k * k, -1) @ sigma.reshape(n, -1, r)
         return np.ascontiguousarray(G.swapaxes(1, 2)).reshape(n, r, k, k)
 
     def stresses(self, strains: Array) -> Array:
-        return np.asarray(self._stress(strains)[PLACE].transpose(2, 0, 3, 1, 4))
+        return np.asarray(self._stress(strains)[STRESS_NUMBER].transpose(2, 0, 3, 1, 4))
 
     def _stress(self, strains: Array) -> Array:
         """The stresses (6, n, q, r) that do work on strains, of strains with projected trace."""
@@ -175,14 +175,14 @@ class _Batch:
 
 def _strains(H: Array) -> Array:
     """Strains of gradients, shear strains twice the tensor's."""
-    rows = [H[:, m, :, i] if m == i else H[:, m, :, i] + H[:, i, :, m] for m, i in STRESSES]
+    rows = [H[:, m, :, i] if m == i else H[:, m, :, i] + H[:, i, :, m] for m, i in STRESS_ORDER]
     return np.stack(rows)
 
 
 def _second_strains(a: Array, b: Array) -> Array:
     """sym(grad a^T grad b) as strains, column by column."""
     rows = []
-    for m, n in STRESSES:
+    for m, n in STRESS_ORDER:
         product = _product(a, b, m, n)
         rows.append(product if m == n else product + _product(b, a, m, n))
     return np.stack(rows)

@@ -13,10 +13,8 @@ from .assumed import assumed
 from .batches import batched
 from .element import solid_element
 
-UNUSED = -1
-"""The owner of elements at none of the points."""
-BATCH = 2**20
-"""Numbers in the strains of a batch of elements."""
+NO_OWNER = -1  # of elements at none of the points
+STRAIN_BATCH = 2**20  # numbers in the strains of a batch of elements
 
 
 def strain_rows(
@@ -45,9 +43,9 @@ def strain_rows(
         carry, samples = _extrapolation(kind), solid_element(kind).samples
         k = numbers.shape[1]
         used = (numbers >= 0).any(axis=1)
-        of_kind = np.where(used, mesh.of_kind(owners, kind), UNUSED)
-        for owner, rows in batched(of_kind, max(1, BATCH // (18 * k * samples.shape[1]))):
-            if owner == UNUSED:
+        of_kind = np.where(used, mesh.of_kind(owners, kind), NO_OWNER)
+        for owner, rows in batched(of_kind, max(1, STRAIN_BATCH // (18 * k * samples.shape[1]))):
+            if owner == NO_OWNER:
                 continue
             cells, of, material = mesh.cells[kind][rows], numbers[rows], materials[owner]
             strained = assumed(kind, material).on(mesh.points[cells], material.elasticity)

@@ -18,7 +18,8 @@ from ...superelement.validation import Array
 from ..errors import MatrixError, MeshError
 from ..mesh.mesh import IntArray
 
-DAMAGE = (
+# Exceptions of numpy, scipy and zipfile.
+MATRIX_DAMAGE = (
     *hdf5.DAMAGE,
     MemoryError,
     AttributeError,
@@ -27,9 +28,7 @@ DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
-"""exceptions of numpy, scipy and zipfile"""
-BLOCK = 1 << 24
-"""bytes that are looked at together"""
+BYTES_AT_ONCE = 1 << 24
 
 
 @contextmanager
@@ -45,7 +44,7 @@ def about(path: Path, what: str) -> Iterator[None]:
     except (MatrixError, FileError) as error:
         text = str(error)
         raise MatrixError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except DAMAGE as error:
+    except MATRIX_DAMAGE as error:
         raise MatrixError(f"{path}: expected {what}: {in_one_line(error)}") from error
 
 
@@ -59,7 +58,7 @@ def arrays(path: Path, what: str) -> Iterator[None]:
         yield
     except MatrixError:
         raise
-    except DAMAGE as error:
+    except MATRIX_DAMAGE as error:
         raise MatrixError(f"expected {what}: {in_one_line(error)}") from error
 
 
@@ -85,7 +84,7 @@ def require_text(path: Path) -> None:
     decoder = codecs.getincrementaldecoder("utf-8")()
     try:
         with path.open("rb") as file:
-            while block := file.read(BLOCK):
+            while block := file.read(BYTES_AT_ONCE):
                 if b"\0" in block:
                     raise MatrixError("expected a file of text, found a byte NUL")
                 decoder.decode(block)

@@ -11,23 +11,22 @@ from ...superelement.validation import Array
 from ..errors import MatrixError
 from .matrices import GivenModel
 
-FREE = 1e-8
+RIGID_FORCE = 1e-8
 """Force under a rigid motion, relative to what the same displacements make with all stiffnesses
 counted positive.
 """
-EQUAL = 1e-8
-"""Difference of the masses in the three directions, relative to their mean."""
-STEPS = 30
+MAX_MASS_DIFFERENCE = 1e-8  # in the three directions, relative to their mean
+DEFINITENESS_STEPS = 30
 """Of Lanczos on M over its diagonal, whose negative eigenvalues, if any, lie apart from the others.
 """
-EXHAUSTED = 1e-12
+MIN_LANCZOS_LENGTH = 1e-12
 """Length of a step of Lanczos that is rounding, for a matrix with ones on its diagonal."""
-MOTIONS = tuple(
+RIGID_MOTIONS = tuple(
     f"{kind} {axis}" for kind in ("translation along", "rotation about") for axis in "xyz"
 )
 
-HELD = "the body is held there, or its rows belong to other nodes and dofs than is said"
-MISPLACED = (
+HELD_ADVICE = "the body is held there, or its rows belong to other nodes and dofs than is said"
+MISPLACED_ADVICE = (
     "it may translate but not rotate, so its nodes are not where they were when the matrices were "
     "made, the unit of length is another one, dofs are in local axes, "
     "or springs join nodes that lie apart"
@@ -92,17 +91,18 @@ def _check_stiffness(model: GivenModel) -> None:
 
 
 def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
-    """|K A| <= FREE |K| reach, row by row."""
+    """|K A| <= RIGID_FORCE |K| reach, row by row."""
     share = np.abs(model.K @ A) / (abs(model.K) @ reach)[:, None]
     worst = share.max(axis=0)
-    if worst.max() <= FREE:
+    if worst.max() <= RIGID_FORCE:
         return
-    held = worst[:3].max() > FREE
+    held = worst[:3].max() > RIGID_FORCE
     motion = int((worst[:3] if held else worst).argmax())
-    cause = HELD if held else MISPLACED
+    cause = HELD_ADVICE if held else MISPLACED_ADVICE
     raise MatrixError(
-        f"{model.name}: expected no resistance to rigid motion, found under {MOTIONS[motion]} "
-        f"forces of {worst[motion]:.1e} of the stiffness, expected {FREE:g} at most, the largest "
+        f"{model.name}: expected no resistance to rigid motion, found under "
+        f"{RIGID_MOTIONS[motion]} forces of {worst[motion]:.1e} of the stiffness, expected "
+        f"{RIGID_FORCE:g} at most, the largest "
         f"on {model.dof(int(share[:, motion].argmax()))}: {cause}"
     )
 
@@ -129,15 +129,15 @@ def _check_definite(model: GivenModel) -> None:
 
 
 def _lowest(S: Any) -> tuple[float, Array]:
-    """The least of v^T S v for |v| = 1, and its v, in the space of `STEPS` steps of Lanczos."""
-    V = np.zeros((min(STEPS, S.shape[0]), S.shape[0]))
+    """The least of v^T S v for |v| = 1, and its v, after `DEFINITENESS_STEPS` of Lanczos."""
+    V = np.zeros((min(DEFINITENESS_STEPS, S.shape[0]), S.shape[0]))
     SV = np.zeros_like(V)
     v = np.random.default_rng(0).standard_normal(S.shape[0])
     for k in range(len(V)):
         for _ in range(2):  # twice is enough to be orthogonal
             v -= V[:k].T @ (V[:k] @ v)
         length = np.linalg.norm(v)
-        if length <= EXHAUSTED:
+        if length <= MIN_LANCZOS_LENGTH:
             V, SV = V[:k], SV[:k]
             break
         V[k] = v / length
@@ -153,7 +153,7 @@ def _check_mass(model: GivenModel, A: Array) -> None:
     masses = np.diag(moments)[:3]
     mass = masses.mean()
     wrong = np.abs(moments[:3, :3] - mass * np.eye(3)).max()
-    if wrong > EQUAL * mass:
+    if wrong > MAX_MASS_DIFFERENCE * mass:
         raise MatrixError(
             f"{model.name}: expected one mass in all directions, found "
             f"{', '.join(f'{m:.9g}' for m in masses)} kg along x, y, z, and up to {wrong:.1e} "
@@ -161,7 +161,7 @@ def _check_mass(model: GivenModel, A: Array) -> None:
         )
     coupling = moments[:3, 3:]
     uneven = np.abs(coupling + coupling.T).max()
-    if uneven > EQUAL * mass:
+    if uneven > MAX_MASS_DIFFERENCE * mass:
         raise MatrixError(
             f"{model.name}: expected one center of mass for all directions, found several, "
             f"{uneven / mass:.1e} of the size apart: mass is missing on dofs, "

@@ -13,9 +13,8 @@ import scipy.sparse as sp
 from ..errors import MatrixError
 from .damage import load_rows, whole_numbers
 
-HEAD = "%%MatrixMarket"
-FORMS = {"coordinate": 3, "array": 1}
-"""sparse and dense matrices, and the numbers in a row of them"""
+MARKET_HEAD = "%%MatrixMarket"
+ROW_NUMBERS = {"coordinate": 3, "array": 1}  # of sparse and dense matrices
 
 
 def read_market(path: Path) -> Any:
@@ -24,8 +23,8 @@ def read_market(path: Path) -> Any:
         form, symmetry = _head(file.readline())
         size = _size(file)
         rows = load_rows(file, comments="%")
-    if rows.size and rows.shape[1] != FORMS[form]:
-        raise MatrixError(f"expected {FORMS[form]} numbers in a row, found {rows.shape[1]}")
+    if rows.size and rows.shape[1] != ROW_NUMBERS[form]:
+        raise MatrixError(f"expected {ROW_NUMBERS[form]} numbers in a row, found {rows.shape[1]}")
     expected = 3 if form == "coordinate" else 2
     if len(size) != expected:
         raise MatrixError(f"not a Matrix Market file: expected {expected} sizes, found {size}")
@@ -36,8 +35,10 @@ def read_market(path: Path) -> Any:
 
 def _head(line: str) -> tuple[str, str]:
     words = line.lower().split()
-    if len(words) != 5 or words[1] != "matrix" or words[2] not in FORMS:
-        raise MatrixError(f"expected '{HEAD} matrix coordinate real general', found {line[:80]!r}")
+    if len(words) != 5 or words[1] != "matrix" or words[2] not in ROW_NUMBERS:
+        raise MatrixError(
+            f"expected '{MARKET_HEAD} matrix coordinate real general', found {line[:80]!r}"
+        )
     _, _, form, numbers, symmetry = words
     if numbers not in ("real", "double", "integer"):
         raise MatrixError(f"expected real numbers, found {numbers[:20]} ones")

@@ -13,9 +13,8 @@ from ..mesh.nodes import Nodes
 from .matrix_files import MatrixFile, read_matrix
 from .node_table import NodeTable, as_integers, read_columns, read_nodes
 
-SYMMETRIC = 1e-10
-"""Difference of K and K^T, relative to the largest entry, that is taken for rounding."""
-DIRECTIONS = 6
+MAX_ASYMMETRY = 1e-10  # of K, relative to its largest entry: rounding
+DOFS_PER_NODE = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +47,10 @@ def read_matrices(files: Matrices) -> GivenModel:
     table = read_nodes(files.nodes)
     stiffness, mass = read_matrix(files.stiffness, "KGG"), read_matrix(files.mass, "MGG")
     rows = [_slots(file, files, table) for file in (stiffness, mass)]
-    used = np.zeros(DIRECTIONS * len(table.labels), dtype=bool)
+    used = np.zeros(DOFS_PER_NODE * len(table.labels), dtype=bool)
     for file, slots in zip((stiffness, mass), rows, strict=True):
         used[slots[_touched(file.entries)]] = True
-    with_dofs, rotations = _used_nodes(table, used.reshape(-1, DIRECTIONS))
+    with_dofs, rotations = _used_nodes(table, used.reshape(-1, DOFS_PER_NODE))
     nodes = Nodes(with_dofs.points, rotations)
     new_row = np.cumsum(used) - 1
     K, M = (
@@ -77,14 +76,14 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
                 f"found {len(dofs)}"
             )
     if dofs is None:
-        if n not in (3 * n_nodes, DIRECTIONS * n_nodes):
+        if n not in (3 * n_nodes, DOFS_PER_NODE * n_nodes):
             raise MatrixError(
                 f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for "
                 f"each of the {n_nodes} nodes of {table.name}, found {n}: "
                 "tell node and direction of every row in matrices.dofs"
             )
         per_node = n // n_nodes
-        return (DIRECTIONS * np.arange(n_nodes)[:, None] + np.arange(per_node)).ravel()
+        return (DOFS_PER_NODE * np.arange(n_nodes)[:, None] + np.arange(per_node)).ravel()
     source = file.name if files.dofs is None or file.dofs is not None else files.dofs.name
     labels, directions = dofs.T
     if len(unknown := table.unknown(labels)):
@@ -92,16 +91,16 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
             f"{source}: no node {unknown[0]} in {table.name}, "
             f"nor {len(np.unique(unknown)) - 1} others"
         )
-    if (wrong := (directions < 1) | (directions > DIRECTIONS)).any():
+    if (wrong := (directions < 1) | (directions > DOFS_PER_NODE)).any():
         raise MatrixError(
             f"{source}: expected dofs 1 to 6, displacements and rotations, found dof "
             f"{directions[wrong][0]} of node {labels[wrong][0]}"
         )
-    slots: IntArray = DIRECTIONS * table.rows(labels) + directions - 1
+    slots: IntArray = DOFS_PER_NODE * table.rows(labels) + directions - 1
     if len(twice := np.flatnonzero(np.bincount(slots) > 1)):
         raise MatrixError(
-            f"{source}: expected every dof once, found dof {twice[0] % DIRECTIONS + 1} of node "
-            f"{table.labels[twice[0] // DIRECTIONS]} in several rows"
+            f"{source}: expected every dof once, found dof {twice[0] % DOFS_PER_NODE + 1} of node "
+            f"{table.labels[twice[0] // DOFS_PER_NODE]} in several rows"
         )
     return slots
 
@@ -148,7 +147,7 @@ def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
     transposed = matrix.T.tocsc()
     difference = matrix - transposed
     largest = abs(matrix).max()
-    if abs(difference).max() <= SYMMETRIC * largest:
+    if abs(difference).max() <= MAX_ASYMMETRY * largest:
         return (0.5 * (matrix + transposed)).tocsc()
     diagonal = sp.diags_array(matrix.diagonal(), format="csc")
     one_side = (matrix - diagonal).astype(bool)

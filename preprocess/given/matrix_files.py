@@ -11,12 +11,11 @@ import scipy.sparse as sp
 from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
-from .damage import DAMAGE, about, arrays, load_rows, require_text
-from .market import HEAD, read_market
+from .damage import MATRIX_DAMAGE, about, arrays, load_rows, require_text
+from .market import MARKET_HEAD, read_market
 
-MARKET = HEAD.encode()
-LARGEST = 2.0**31
-"""a label or a row: two of them are one number of 64 bits"""
+MARKET_HEAD_BYTES = MARKET_HEAD.encode()
+MAX_LABEL = 2.0**31  # a label or a row: two of them are one number of 64 bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +68,7 @@ def _mtx(path: Path, _: str) -> MatrixFile:
     """Matrix Market if the first line says so, else Abaqus."""
     require_text(path)
     with path.open("rb") as file:
-        market = file.read(len(MARKET)) == MARKET
+        market = file.read(len(MARKET_HEAD_BYTES)) == MARKET_HEAD_BYTES
     return _market(path) if market else _abaqus(path)
 
 
@@ -78,7 +77,7 @@ def _market(path: Path) -> MatrixFile:
         return MatrixFile(path.name, read_market(path))
     except MatrixError:
         raise
-    except DAMAGE as error:
+    except MATRIX_DAMAGE as error:
         raise MatrixError(f"not a Matrix Market file: {in_one_line(error)}") from error
 
 
@@ -102,7 +101,7 @@ def _abaqus(path: Path) -> MatrixFile:
             f"Matrix Market, found {table.shape[1]} columns"
         )
     given = table[:, :-1]
-    wrong = ~((given >= 1.0) & (given <= LARGEST) & (given % 1.0 == 0.0)).all(axis=1)
+    wrong = ~((given >= 1.0) & (given <= MAX_LABEL) & (given % 1.0 == 0.0)).all(axis=1)
     if wrong.any():
         raise MatrixError(
             f"expected labels, dofs and rows from 1 on, found {table[wrong][0].tolist()}: "
@@ -115,7 +114,7 @@ def _abaqus(path: Path) -> MatrixFile:
     pairs = np.concatenate([labels[:, :2], labels[:, 2:]])
     # One number for node and dof: rows of a table sort much slower.
     width = int(pairs[:, 1].max()) + 1
-    if width > LARGEST:
+    if width > MAX_LABEL:
         raise MatrixError(f"expected dofs of nodes, 1 to 6, found {width - 1}")
     keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)
     rows, columns = np.split(number, 2)

@@ -10,7 +10,7 @@ import numpy as np
 from ...files import in_one_line
 from ...superelement.validation import Array
 from ..errors import MatrixError
-from ..mesh.mesh import NONE, IntArray
+from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.numbering import Numbering
 from .damage import about, arrays, load_rows, whole_numbers
 
@@ -129,7 +129,7 @@ def _of_mesh(path: Path) -> NodeTable:
     cells, groups = draft.cells, {}
     for name, group in draft.groups.items():
         nodes = [cells[kind][rows].ravel() for kind, rows in group.cells.items()]
-        groups[name] = np.unique(np.concatenate([NONE, group.points, *nodes]))
+        groups[name] = np.unique(np.concatenate([NO_NODES, group.points, *nodes]))
     labels = np.arange(1, len(draft.points) + 1) if draft.labels is None else draft.labels
     return NodeTable(path.name, labels, draft.points, groups)
 

@@ -14,10 +14,9 @@ import scipy.sparse as sp
 
 from ...files import in_one_line
 from ..errors import MatrixError
-from .damage import DAMAGE
+from .damage import MATRIX_DAMAGE
 
-LONG = 65536
-"""Rows from which on a matrix is BIGMAT, whether it says so or not."""
+BIGMAT_ROWS = 65536  # from which on a matrix is BIGMAT, whether it says so or not
 _HEADERS = {24: ("i4", 8), 48: ("i8", 16)}
 """By the length of the first record: the type of integers, and the letters of the name."""
 _REAL = {1: "f4", 2: "f8"}
@@ -36,7 +35,7 @@ def read_op4(path: Path, name: str) -> Any:
         matrices = dict(
             _text(data.decode()) if data[:16].strip(b" 0123456789-") == b"" else _binary(data)
         )
-    except DAMAGE as error:
+    except MATRIX_DAMAGE as error:
         raise MatrixError(
             f"not an OUTPUT4 file of Nastran, or one that breaks off: {in_one_line(error)}"
         ) from error
@@ -89,9 +88,8 @@ def _binary(data: bytes) -> Iterator[tuple[str, Any]]:
             column, first, _ = np.frombuffer(body, word, 3).tolist()
             if column > columns:
                 break
-            runs += _runs(
-                body[3 * word.itemsize :], column, first, rows < 0 or rows >= LONG, word, value
-            )
+            long = rows < 0 or rows >= BIGMAT_ROWS
+            runs += _runs(body[3 * word.itemsize :], column, first, long, word, value)
         yield name, _matrix(columns, rows, kind, runs)
 
 
@@ -103,7 +101,8 @@ def _runs(body: bytes, column: int, first: int, long: bool, word: Any, value: An
     position = 0
     while position < len(body):
         head = np.frombuffer(body, word, 1 + long, position).tolist()
-        words, row = (head[0] - 1, head[1]) if long else (head[0] // LONG - 1, head[0] % LONG)
+        words, row = (head[0], head[1]) if long else divmod(head[0], BIGMAT_ROWS)
+        words -= 1
         position += (1 + long) * word.itemsize
         if words < 1:
             raise ValueError(f"a string of {words} words")
@@ -139,7 +138,7 @@ def _text(text: str) -> Iterator[tuple[str, Any]]:
                 case [_, row]:
                     pass
                 case [string]:
-                    row = string % LONG
+                    row = string % BIGMAT_ROWS
                 case _:
                     raise ValueError(f"matrix {name.strip()}, after column {column}: {line!r}")
         next(lines, "")  # a value that stands for the last column

@@ -1,15 +1,14 @@
 """The types of cells that meshes have, by meshio's names: one record for each solid and facet.
 
-A new solid needs one record in `SOLIDS`, and one in `FACETS` if its faces are of a new type; all
-else follows: what meshes may hold, faces and neighbors, stiffness and mass, strains. Formats that
-do not know the name yet need it in their own table.
+A new solid needs one record in `SOLID_TYPES`, and one in `FACET_TYPES` if its faces are of a new
+type; all else follows: what meshes may hold, faces and neighbors, stiffness and mass, strains.
+Formats that do not know the name yet need it in their own table.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-LINES = ("line",)
-"""The cells that make a body of beams."""
+LINE_CELLS = ("line",)  # that make a body of beams
 
 
 @dataclass(frozen=True)
@@ -47,14 +46,14 @@ class SolidType:
     locks: bool = False
 
 
-FACETS = {
+FACET_TYPES = {
     "triangle": FacetType(3, "ElementTriP1"),
     "triangle6": FacetType(3, "ElementTriP2"),
     "quad": FacetType(4, "ElementQuad1"),
     "quad8": FacetType(4, "ElementQuadS2"),
     "quad9": FacetType(4, "ElementQuad2"),
 }
-FAMILIES = ({"triangle", "quad"}, {"triangle6", "quad8"}, {"triangle6", "quad9"})
+FACET_FAMILIES = ({"triangle", "quad"}, {"triangle6", "quad8"}, {"triangle6", "quad9"})
 """Facets that may bound one body: those with the same nodes on their sides."""
 
 _HEXAHEDRON = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
@@ -77,7 +76,7 @@ _FACES = [20, 25, 22, 23, 24, 21, 26]
 
 # All weights of integration are positive. Stiffness and mass are exact on straight-sided simplices
 # and wedges and on parallelepipeds.
-SOLIDS = {
+SOLID_TYPES = {
     "tetra": SolidType(
         facets={"triangle": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]},
         shapes="ElementTetP1",
@@ -125,5 +124,5 @@ SOLIDS = {
     ),
 }
 
-DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, **dict.fromkeys(FACETS, 2)}
+CELL_DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, **dict.fromkeys(FACET_TYPES, 2)}
 """Cells that may bound or mark a body without being one, and their dimension."""

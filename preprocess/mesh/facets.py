@@ -6,14 +6,13 @@ from itertools import accumulate
 import numpy as np
 
 from ..errors import MeshError
-from .cells import FACETS, FAMILIES, SOLIDS
+from .cells import FACET_FAMILIES, FACET_TYPES, SOLID_TYPES
 from .mesh import IntArray, Mesh
 
 Patch = dict[str, IntArray]
 """Facets by type, as nodes (m, k)."""
 Chosen = np.ndarray[tuple[int], np.dtype[np.bool_]]
-LARGEST = int(np.iinfo(np.int64).max)
-"""what keys of rows may be"""
+MAX_ROW_KEY = int(np.iinfo(np.int64).max)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +58,9 @@ class Facets:
 
     def matching(self, kind: str, cells: IntArray) -> IntArray:
         """The facet (m,) with the corners of each of the cells (m, k) of a type, -1 for none."""
-        corners = FACETS[kind].corners
+        corners = FACET_TYPES[kind].corners
         for facet_kind, first in self.first.items():
-            if FACETS[facet_kind].corners == corners:
+            if FACET_TYPES[facet_kind].corners == corners:
                 rows = _rows(self.nodes[facet_kind][:, :corners], cells[:, :corners])
                 return np.where(rows < 0, -1, rows + first)
         return np.full(len(cells), -1)
@@ -73,8 +72,10 @@ def facets_of(mesh: Mesh) -> Facets:
     Neighbors must share the middle nodes of the face between them, and no triangle may cover half
     a quadrilateral.
     """
-    kinds = list(dict.fromkeys(kind for solid in mesh.body_types for kind in SOLIDS[solid].facets))
-    if not any(family.issuperset(kinds) for family in FAMILIES):
+    kinds = list(
+        dict.fromkeys(kind for solid in mesh.body_types for kind in SOLID_TYPES[solid].facets)
+    )
+    if not any(family.issuperset(kinds) for family in FACET_FAMILIES):
         raise MeshError(
             f"{mesh.name}: expected elements that fit each other, found "
             f"{', '.join(mesh.body_types)}, whose faces are {', '.join(kinds)}: mesh all of the "
@@ -86,7 +87,7 @@ def facets_of(mesh: Mesh) -> Facets:
     for kind in kinds:
         faces = {}  # by type of element: (elements, sides, k)
         for solid in mesh.body_types:
-            local = SOLIDS[solid].facets.get(kind)
+            local = SOLID_TYPES[solid].facets.get(kind)
             if local is not None:
                 faces[solid] = mesh.cells[solid][:, local]
         nodes[kind], numbers, count = _each_once(mesh, kind, faces)
@@ -110,7 +111,7 @@ def _each_once(
     """
     flat = np.concatenate([sides.reshape(-1, sides.shape[2]) for sides in faces.values()])
     _, one, facet, count = np.unique(
-        _keys(flat[:, : FACETS[kind].corners]),
+        _keys(flat[:, : FACET_TYPES[kind].corners]),
         return_index=True,
         return_inverse=True,
         return_counts=True,
@@ -143,8 +144,8 @@ def _check_halves(mesh: Mesh, facets: Facets) -> None:
     boundary.
     """
     outer = facets.patch(np.flatnonzero(facets.boundary))
-    triangles = [nodes[:, :3] for kind, nodes in outer.items() if FACETS[kind].corners == 3]
-    quads = [nodes[:, :4] for kind, nodes in outer.items() if FACETS[kind].corners == 4]
+    triangles = [nodes[:, :3] for kind, nodes in outer.items() if FACET_TYPES[kind].corners == 3]
+    quads = [nodes[:, :4] for kind, nodes in outer.items() if FACET_TYPES[kind].corners == 4]
     if not (triangles and quads):
         return
     halves = quads[0][:, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]]]
@@ -183,7 +184,7 @@ def _keys(table: IntArray) -> IntArray:
     digits = int(table.max(initial=0)) + 1
     keys, most = first, digits
     for column in others:
-        if most * digits > LARGEST:
+        if most * digits > MAX_ROW_KEY:
             distinct, keys = np.unique(keys, return_inverse=True)
             most = len(distinct)
         keys, most = keys * digits + column, most * digits

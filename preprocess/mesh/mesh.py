@@ -1,5 +1,6 @@
 """Meshes and their named groups."""
 
+import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
@@ -11,7 +12,7 @@ from ...superelement.validation import Array
 from ..errors import MeshError
 
 IntArray = NDArray[np.int64]
-NONE: IntArray = np.zeros(0, dtype=np.int64)
+NO_NODES: IntArray = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +80,24 @@ class Mesh:
     def n_elements(self) -> int:
         return sum(len(cells) for cells in self.elements.values())
 
+    @property
+    def sha256(self) -> str:
+        """A digest of points, cells and groups, by which a mesh without a file is known again."""
+        digest = hashlib.sha256(np.ascontiguousarray(self.points).tobytes())
+        for kind, cells in sorted(self.cells.items()):
+            digest.update(kind.encode() + np.ascontiguousarray(cells, dtype=np.int64).tobytes())
+        for name, group in sorted(self.groups.items()):
+            digest.update(name.encode() + group.points.tobytes())
+            for kind, rows in sorted(group.cells.items()):
+                digest.update(kind.encode() + rows.tobytes())
+        return digest.hexdigest()
+
     def members(self, group: str) -> IntArray:
         """The numbers of the elements in a group."""
         cells = self.group(group).cells
         return np.concatenate(
-            [cells[kind] + first for kind, first in self.first.items() if kind in cells] or [NONE]
+            [cells[kind] + first for kind, first in self.first.items() if kind in cells]
+            or [NO_NODES]
         )
 
     def of_kind(self, per_element: IntArray, kind: str) -> IntArray:
@@ -122,7 +136,7 @@ class Mesh:
                 for kind, chosen in rows.items()
                 if kind in group.cells
             }
-            return Group({kind: found for kind, found in inside.items() if len(found)}, NONE)
+            return Group({kind: found for kind, found in inside.items() if len(found)}, NO_NODES)
 
         part = Mesh(
             name=self.name,

@@ -12,7 +12,7 @@ from ...files import FileError, in_one_line, require_regular
 from ...files.hdf5 import DAMAGE
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
-from .cells import DIMENSIONS, LINES, SOLIDS
+from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
 from .formats.abaqus_deck import files_of as files_of_abaqus
 from .formats.draft import Draft
@@ -61,10 +61,9 @@ _FILES = {
     **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
-SIZES = (1e-12, 1e12)
+MESH_SIZES = (1e-12, 1e12)
 """Sizes of meshes [m] whose volumes, inertias and stiffnesses are numbers; parts are far within."""
-LISTED = 3
-"""Nodes that a warning lists."""
+MAX_WARNED_NODES = 3
 
 
 def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
@@ -75,30 +74,34 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     than is read of it: nodes that belong to no element are left out.
     """
     path = Path(path)
-    draft = read_draft(path)
+    return finished(path, read_draft(path), scale)
+
+
+def finished(source: Path, draft: Draft, scale: float) -> Mesh:
+    """The mesh of a draft, in meters; errors and warnings as of `read_mesh` name the source."""
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
-    points = _scaled(path, draft.points, scale)
-    body_types = _body_types(path.name, cells, draft.lost)
-    mesh = Mesh(path.name, points, cells, draft.groups, body_types, draft.labels)
+    points = _scaled(source, draft.points, scale)
+    body_types = _body_types(source.name, cells, draft.lost)
+    mesh = Mesh(source.name, points, cells, draft.groups, body_types, draft.labels)
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
         warnings.warn(
-            f"{path}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=2
+            f"{source}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=3
         )
     return mesh.without_loose_nodes() if len(loose) else mesh
 
 
-def _scaled(path: Path, points: Array, scale: float) -> Array:
+def _scaled(source: Path, points: Array, scale: float) -> Array:
     """Points in meters; `MeshError` for a mesh so small or large that its volumes are no numbers.
 
     A mesh whose points all coincide passes: what its elements lack is told where they are read.
     """
     size = scale * float(np.ptp(points, axis=0).max())
-    if np.ptp(points, axis=0).any() and not SIZES[0] <= size <= SIZES[1]:
+    if np.ptp(points, axis=0).any() and not MESH_SIZES[0] <= size <= MESH_SIZES[1]:
         raise MeshError(
-            f"{path}: expected a mesh of {SIZES[0]:g} to {SIZES[1]:g} m, found {size:g} m "
-            f"(scale = {scale:g})"
+            f"{source}: expected a mesh of {MESH_SIZES[0]:g} to {MESH_SIZES[1]:g} m, found "
+            f"{size:g} m (scale = {scale:g})"
         )
     return scale * points
 
@@ -109,12 +112,17 @@ def read_draft(path: Path) -> Draft:
         if (advice := _NO_MESH.get(path.suffix.lower())) is not None:
             raise MeshError(advice)
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
+    check_points(path, draft)
+    return draft
+
+
+def check_points(source: Path, draft: Draft) -> None:
+    """`MeshError` for a mesh without points, or with one that is nowhere."""
     if not len(draft.points):
-        raise MeshError(f"{path}: the mesh has no points")
+        raise MeshError(f"{source}: the mesh has no points")
     if not np.isfinite(draft.points).all():
         point = int(np.flatnonzero(~np.isfinite(draft.points).all(axis=1))[0])
-        raise MeshError(f"{path}: point {point} is at {draft.points[point].tolist()}")
-    return draft
+        raise MeshError(f"{source}: point {point} is at {draft.points[point].tolist()}")
 
 
 def files_of(path: Path) -> list[Path]:
@@ -142,8 +150,8 @@ def _about(path: Path) -> Iterator[None]:
 def _described(loose: Array) -> str:
     """Nodes (k, 3), in the unit of the file."""
     listed = [
-        *(str(point) for point in loose[:LISTED].tolist()),
-        *(["..."] if len(loose) > LISTED else []),
+        *(str(point) for point in loose[:MAX_WARNED_NODES].tolist()),
+        *(["..."] if len(loose) > MAX_WARNED_NODES else []),
     ]
     return f"{len(loose)} nodes that belong to no element, at {', '.join(listed)}"
 
@@ -153,18 +161,18 @@ def _body_types(name: str, kinds: Iterable[str], lost: Sequence[str]) -> tuple[s
 
     lost: what else the file has, for messages.
     """
-    unsupported = [kind for kind in kinds if kind not in (*SOLIDS, *DIMENSIONS)]
+    unsupported = [kind for kind in kinds if kind not in (*SOLID_TYPES, *CELL_DIMENSIONS)]
     if unsupported:
         raise MeshError(
             f"{name}: unsupported cells {', '.join(unsupported)}; bodies are made of "
             f"{_supported()}: mesh the part in these alone, or split the cells into tetrahedra"
         )
-    solids = tuple(kind for kind in kinds if kind in SOLIDS)
+    solids = tuple(kind for kind in kinds if kind in SOLID_TYPES)
     if solids:
         return solids
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
-        return LINES
-    flat = [kind for kind in kinds if DIMENSIONS.get(kind) == 2]
+        return LINE_CELLS
+    flat = [kind for kind in kinds if CELL_DIMENSIONS.get(kind) == 2]
     shells = ": mesh the volume of a thin part, for shells are not supported" if flat else ""
     besides = f"; left out: {'; '.join(dict.fromkeys(lost))}" if lost else ""
     raise MeshError(
@@ -174,4 +182,4 @@ def _body_types(name: str, kinds: Iterable[str], lost: Sequence[str]) -> tuple[s
 
 
 def _supported() -> str:
-    return ", ".join((*LINES, *SOLIDS))
+    return ", ".join((*LINE_CELLS, *SOLID_TYPES))

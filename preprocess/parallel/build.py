@@ -18,8 +18,7 @@ from ..assembly.structure import (
 from ..body.body import Body
 from ..body.loss import scaled
 from ..build import (
-    FEWEST,
-    Told,
+    MIN_INTERFACE_DOFS,
     checked_source,
     doubts_of_responses,
     memory_shortage_told,
@@ -27,9 +26,9 @@ from ..build import (
 )
 from ..errors import MethodError
 from ..plausibility import refused_where_singular
-from ..progress import Stages, shown_stages
+from ..progress import Stages, Warn, shown_stages
 from ..responses.impulse import krylov_found, krylov_responses, require_memory
-from ..responses.modal import SMALL
+from ..responses.modal import FULL_MODAL_UNKNOWNS
 from ..solving.factor import factorizations
 from ..sources.solids import SolidSource
 from .matrices import SpreadMass, SpreadMatrix
@@ -39,11 +38,10 @@ from .ranks import Ranks
 from .shapes import AskedShapes, answer
 from .solve import spread_solver
 
-METHODS = ("auto", "krylov")
-"""values of impulse.method that more than one process can do"""
+SPREAD_METHODS = ("auto", "krylov")  # values of impulse.method that more than one process can do
 
 
-def build_together(body: Body, ranks: Ranks, progress: bool, told: Told) -> Superelement | None:
+def build_together(body: Body, ranks: Ranks, progress: bool, warn: Warn) -> Superelement | None:
     """The superelement of a body, as `build` makes it, in the first process; None in the others.
 
     The first process reads the mesh, selects interfaces, and deals out the elements; each process
@@ -53,17 +51,15 @@ def build_together(body: Body, ranks: Ranks, progress: bool, told: Told) -> Supe
     with (
         memory_shortage_told(),
         refused_where_singular(),
-        shown_stages(progress and ranks.first) as stages,
-        factorizations() as summaries,
+        shown_stages(progress and ranks.first, warn) as stages,
+        factorizations() as stages.solvers,
     ):
-        return _build(body, ranks, stages, summaries, told)
+        return _build(body, ranks, stages)
 
 
-def _build(
-    body: Body, ranks: Ranks, stages: Stages, summaries: list[str], told: Told
-) -> Superelement | None:
+def _build(body: Body, ranks: Ranks, stages: Stages) -> Superelement | None:
     with stages.stage("mesh"):
-        source = ranks.in_first(lambda: _read(body, told))
+        source = ranks.in_first(lambda: _read(body, stages.warn))
     with stages.stage("assembly"):
         piece, numbering = _dealt_out(body, source, ranks)
         structure, parts = _assembled(body, piece, ranks)
@@ -79,18 +75,18 @@ def _build(
     try:
         responses = krylov_responses(body, modes, asked, error)
         for doubt in doubts_of_responses(body, responses):
-            told(doubt)
+            stages.warn(doubt)
         whole = _of_first(structure, numbering)
-        return superelement_of(body, source, whole, None, responses, stages, summaries)
+        return superelement_of(body, source, whole, None, responses, stages)
     finally:
         ranks.apart = True
         asked.close()
 
 
-def _read(body: Body, told: Told) -> SolidSource:
+def _read(body: Body, warn: Warn) -> SolidSource:
     """The mesh of a body of solids; `MethodError` for a body that takes one process."""
-    require_memory(body.impulse.steps, FEWEST * len(body.interfaces))
-    if body.impulse.method not in METHODS:
+    require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
+    if body.impulse.method not in SPREAD_METHODS:
         raise MethodError(
             f"impulse.method {body.impulse.method} takes one process: expected krylov or auto, or "
             "no MPI"
@@ -99,10 +95,10 @@ def _read(body: Body, told: Told) -> SolidSource:
         raise MethodError("[rotation] takes one process: expected none, or no MPI")
     if body.matrices is not None:
         raise MethodError("[matrices] take one process: expected a mesh of solids, or no MPI")
-    source = checked_source(body, told)
+    source = checked_source(body, warn)
     if not isinstance(source, SolidSource):
         raise MethodError(f"{source.name}, a mesh of lines, takes one process: run it without MPI")
-    if body.impulse.method == "auto" and source.nodes.n_dofs <= SMALL:
+    if body.impulse.method == "auto" and source.nodes.n_dofs <= FULL_MODAL_UNKNOWNS:
         raise MethodError(
             f"{source.name}: all modes of {source.nodes.n_dofs} unknowns are found at once by one "
             'process: run it without MPI, or with impulse.method = "krylov"'

@@ -11,7 +11,7 @@ from ..assembly.channels import SelectedChannels
 from ..assembly.interfaces import Attachment
 from ..assembly.structure import Attached
 from ..errors import MethodError
-from ..mesh.mesh import NONE, IntArray
+from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.nodes import Nodes
 from ..sources.solids import SolidSource
 
@@ -104,7 +104,7 @@ def pieces(source: SolidSource, numbering: Numbering) -> Iterator[Piece]:
     followed = _of_nodes(attached.T, attached.nodes)
     P_C = sp.vstack(list(attached.rows.values()), format="csc")
     frames = {
-        name: Attachment(frame.X, sp.csr_array((frame.rows.shape[0], 0)), NONE)
+        name: Attachment(frame.X, sp.csr_array((frame.rows.shape[0], 0)), NO_NODES)
         for name, frame in attached.frames.items()
     }
     for process in range(len(starts) - 1):

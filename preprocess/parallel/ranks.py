@@ -15,11 +15,9 @@ from ..processes import Found, Processes
 
 Result = TypeVar("Result")
 petsc4py.init(["-no_signal_handler"])  # signals are Python's
-PATIENCE = 1.0
-"""Seconds that a process which has failed waits for the others to fail as well."""
+FAILURE_WAIT_SECONDS = 1.0  # for the others to fail as well
 
-HEARD = 0.3
-"""Seconds that mpiexec has to pass on what was told, before it ends all."""
+OUTPUT_WAIT_SECONDS = 0.3  # for mpiexec to pass on what was told, before it ends all
 
 
 class FirstFailedError(Exception):
@@ -96,7 +94,7 @@ class Ranks(Processes):
         """
         mine, found = np.array([self.comm.rank]), np.zeros(1, dtype=np.int64)
         request = self._failing.Iallreduce(mine, found, op=MPI.MIN)
-        until = time.monotonic() + PATIENCE
+        until = time.monotonic() + FAILURE_WAIT_SECONDS
         while not request.Test():
             if time.monotonic() > until:
                 atexit.register(_abort)
@@ -108,5 +106,5 @@ class Ranks(Processes):
 def _abort() -> None:
     sys.stdout.flush()
     sys.stderr.flush()
-    time.sleep(HEARD)
+    time.sleep(OUTPUT_WAIT_SECONDS)
     MPI.COMM_WORLD.Abort(1)

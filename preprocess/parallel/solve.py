@@ -1,6 +1,5 @@
 """Linear systems S x = b with S = K + s M spread over processes."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 
@@ -10,84 +9,22 @@ from petsc4py import PETSc
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import Solver as Kind
+from ..body.body import SolverName
 from ..errors import MemoryShortageError, MeshError, MethodError
-from ..solving.cost import FEW, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import ACCURATE, COARSER, Factor, Solve, note
-from ..solving.gradients import (
-    MOST,
-    SAFETY,
-    energy_left,
-    given_up,
-    not_positive,
-)
-from ..solving.solver import COMPACT, Patient, Solver, condition
+from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
+from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve, note
+from ..solving.gradients import ColumnGradients, Columns, Goal
+from ..solving.refined import SHARE_OF_ACCURACY
+from ..solving.solver import COMPACT_SHARE, Patient, SolverFactory, condition, shifted_product
 from .matrices import SpreadMass, SpreadMatrix, dense_columns, shifted
-from .multigrid import Multigrid
+from .multigrid import spread_multigrid
 from .ranks import Ranks
 
-SLOWER = 3.5
-"""How much longer conjugate gradients take here than by their formula, that of single precision."""
-ROW = 80
-"""Entries in a row of the stiffness of a solid, about."""
+SPREAD_SLOWDOWN = 3.5  # of gradients beside their formula, that of single precision
+STIFFNESS_ROW_ENTRIES = 80  # of a solid, about
 NO_ROOM = (-8, -9, -13, -17, -19, -20)
 """INFOG(1) of MUMPS where it is short of memory, or of a buffer."""
-PETSC = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
-
-
-class ConjugateGradients:
-    """x = solve(b) with S x = b to an accuracy relative in energy, x^T S x; own rows b (n, k).
-
-    All columns at once. precondition: near to S^-1, symmetric and positive definite; the diagonal
-    of S unless another is given. Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards
-    49 (1952) 409-436. Raises `NotConvergedError`.
-    """
-
-    def __init__(
-        self,
-        structure: Structure,
-        shift: float,
-        name: str,
-        accuracy: float,
-        precondition: Callable[[Array], Array] | None = None,
-    ) -> None:
-        self._name, self._n_u = name, structure.n_u
-        self._K, self._M, self._shift = structure.K, structure.M, shift
-        self._total, self._accuracy = structure.total, accuracy
-        self._inverse = 1.0 / (self._K.diagonal() + shift * self._M.diagonal())[:, None]
-        self._precondition = precondition or partial(np.multiply, self._inverse)
-        self.iterations: list[int] = []
-
-    def __call__(self, b: Array) -> Array:
-        R = np.array(b.reshape(len(b), -1), order="F")
-        X, P = np.zeros_like(R), self._precondition(R)
-        remaining = first = self._dots(R, P)
-        gains: list[Array] = []
-        while len(gains) < MOST:
-            Y = self._K @ P + self._shift * (self._M @ P)
-            energies = self._dots(P, Y)
-            if not_positive(energies, remaining, first).any():
-                raise given_up(self._name, self._n_u, "the digits of double precision")
-            step = _ratio(remaining, energies)
-            X += step * P
-            R -= step * Y
-            gains.append(step * remaining)
-            enough = (SAFETY * self._accuracy) ** 2 * np.sum(gains, axis=0)
-            if (energy_left(gains) <= enough).all():
-                self.iterations.append(len(gains))
-                return X.reshape(b.shape, order="F")
-            Z = self._precondition(R)
-            before, remaining = remaining, self._dots(R, Z)
-            P = _ratio(remaining, before) * P + Z
-        raise given_up(self._name, self._n_u, f"{MOST} steps of conjugate gradients")
-
-    def _dots(self, A: Array, B: Array) -> Array:
-        return self._total(np.einsum("ik,ik->k", A, B))
-
-
-def _ratio(a: Array, b: Array) -> Array:
-    """a / b (k,), zero where nothing is left."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)
+PETSC_VERSION = "PETSc " + ".".join(map(str, PETSc.Sys.getVersion()))
 
 
 def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> Factor:
@@ -101,17 +38,17 @@ def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> F
     solve = _Mumps(structure.K, structure.M, shift, name, ranks)
     b = np.random.default_rng(ranks.comm.rank).standard_normal(len(structure.U))
     x = solve(b)
-    left = structure.K @ x + shift * (structure.M @ x) - b
+    left = shifted_product(structure.K, structure.M, shift, x) - b
     size, of_x, of_b = (
         ranks.largest(float(np.abs(found).max(initial=0.0))) for found in (left, x, b)
     )
     residual = size / (solve.norm * of_x + of_b)
-    if not residual <= ACCURATE:
+    if not residual <= MAX_FACTOR_RESIDUAL:
         raise MethodError(
             f"{name} ({structure.n_u} unknowns) could not be factorized: mumps: relative residual "
-            f"{residual:.1e}, expected {ACCURATE:g} at most"
+            f"{residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
         )
-    factor = Factor(solve, f"mumps, {PETSC}", residual)
+    factor = Factor(solve, f"mumps, {PETSC_VERSION}", residual)
     note(factor.summary)
     return factor
 
@@ -141,7 +78,7 @@ class _Mumps:
         if code in NO_ROOM:
             raise MemoryShortageError(
                 f"{name} ({K.shape[0]} unknowns): MUMPS has no room for the factor (INFOG(1) = "
-                f"{code}): {COARSER}",
+                f"{code}): {COARSER_MESH_ADVICE}",
                 np.inf,
                 available(),
             )
@@ -161,7 +98,7 @@ class _Mumps:
         return result
 
 
-def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
+def spread_solver(ranks: Ranks, kind: SolverName) -> SolverFactory:
     """The solver that a body file names by impulse.solver.
 
     "auto": the factor, where it takes less time and every machine has room for its share, else
@@ -186,32 +123,39 @@ def spread_solver(ranks: Ranks, kind: Kind) -> Solver:
     return solver
 
 
-def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> ConjugateGradients:
+def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> ColumnGradients:
     """Conjugate gradients, with multigrid where they would take many steps without and it can be
-    had.
+    had; else with the diagonal of S.
     """
-    precondition = None
-    if gradient_steps(condition(structure, shift), accuracy) > FEW:
+    K, M = structure.K, structure.M
+    precondition: Solve = partial(np.multiply, 1.0 / (K.diagonal() + shift * M.diagonal())[:, None])
+    multigrid = ""
+    if gradient_steps(condition(structure, shift), accuracy) > MAX_PLAIN_STEPS:
         with suppress(np.linalg.LinAlgError):
-            precondition = Multigrid(structure, shift)
-    note("conjugate gradients" + (" with multigrid" if precondition else "") + f", {PETSC}")
-    return ConjugateGradients(structure, shift, name, accuracy, precondition)
+            precondition, multigrid = spread_multigrid(structure, shift), " with multigrid"
+    note(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
+    product = partial(shifted_product, K, M, shift)
+    system = Columns(product, precondition, structure.processes, order="F")
+    return ColumnGradients(system, Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy))
 
 
 def _factor_fits(structure: Structure) -> bool:
     """Whether every machine has room for its share of a factor and of the basis."""
     n_u, n_c = structure.n_u, structure.P_C.shape[0]
-    needed = factor_cost(n_u, ROW * n_u, n_c).bytes + basis_bytes(n_u, n_c)
+    needed = factor_cost(n_u, STIFFNESS_ROW_ENTRIES * n_u, n_c).bytes + basis_bytes(n_u, n_c)
     share = structure.n_here / n_u
     return structure.processes.largest(share * needed / available()) < 1.0
 
 
 def _factor_is_quicker(structure: Structure, shift: float, accuracy: float, blocks: int) -> bool:
-    sizes = structure.n_u, ROW * structure.n_u, structure.P_C.shape[0]
+    sizes = structure.n_u, STIFFNESS_ROW_ENTRIES * structure.n_u, structure.P_C.shape[0]
     kappa = condition(structure, shift)
 
     def quicker() -> bool:
         gradients = gradient_cost(*sizes, kappa, accuracy, blocks)
-        return COMPACT * factor_cost(*sizes, blocks).seconds <= SLOWER * gradients.seconds
+        return (
+            COMPACT_SHARE * factor_cost(*sizes, blocks).seconds
+            <= SPREAD_SLOWDOWN * gradients.seconds
+        )
 
     return structure.processes.agreed(quicker)

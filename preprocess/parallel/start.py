@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 
 from ...superelement import Superelement
 from ..body.body import Body
-from ..build import Told, silent
 from ..errors import MethodError
+from ..progress import Warn, silent
 
 if TYPE_CHECKING:
     from .ranks import Ranks
 
-NEEDED = ("mpi4py", "petsc4py")
-SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "PMIX_SIZE")
-"""Where the launchers of MPICH, Open MPI and Slurm tell the number of processes."""
-RANKS = ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK")
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+NEEDED_PACKAGES = ("mpi4py", "petsc4py")
+# Set by the launchers of MPICH, Open MPI, Slurm.
+SIZE_VARIABLES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "PMIX_SIZE")
+RANK_VARIABLES = ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK")
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
 class World:
@@ -39,7 +39,7 @@ class World:
         """True in the process that reads and writes; the others `follow`."""
         return bool(self._ranks.first)
 
-    def build(self, body: Body, progress: bool = False, told: Told = silent) -> Superelement:
+    def build(self, body: Body, progress: bool = False, told: Warn = silent) -> Superelement:
         """As `preprocess.build`, in the first process, with the others."""
         from .build import build_together
 
@@ -64,7 +64,7 @@ class World:
 
 def is_started() -> bool:
     """Whether mpiexec has started this process."""
-    return any(name in os.environ for name in RANKS)
+    return any(name in os.environ for name in RANK_VARIABLES)
 
 
 def join() -> World:
@@ -78,7 +78,7 @@ def join() -> World:
     from .ranks import Ranks
 
     size = MPI.COMM_WORLD.size
-    told = next((os.environ[name] for name in SIZES if name in os.environ), str(size))
+    told = next((os.environ[name] for name in SIZE_VARIABLES if name in os.environ), str(size))
     if told != str(size):
         raise MethodError(
             f"mpiexec has started {told} processes, of which MPI of mpi4py knows {size}: expected "
@@ -97,8 +97,10 @@ def run_on(processes: int, arguments: Sequence[str]) -> int:
     mpiexec = _mpiexec()
     if mpiexec is None:
         raise MethodError("--mpi: expected mpiexec beside Python or on the path, found none")
-    command = [mpiexec, "-n", str(processes), sys.executable, "-m", "duhamel.preprocess"]
-    environment = {**dict.fromkeys(THREADS, "1"), **os.environ}
+    # -P: without it Python imports first what lies in the folder that the user is in
+    python = [sys.executable, "-P", "-m", "duhamel.preprocess"]
+    command = [mpiexec, "-n", str(processes), *python]
+    environment = {**dict.fromkeys(THREAD_VARIABLES, "1"), **os.environ}
     with subprocess.Popen([*command, *arguments], env=environment) as running:
         try:
             return running.wait()
@@ -115,9 +117,9 @@ def _mpiexec() -> str | None:
 
 
 def _require_installed() -> None:
-    missing = [name for name in NEEDED if find_spec(name) is None]
+    missing = [name for name in NEEDED_PACKAGES if find_spec(name) is None]
     if missing:
         raise MethodError(
-            f"MPI: expected {' and '.join(NEEDED)}, found no {' and no '.join(missing)}: "
+            f"MPI: expected {' and '.join(NEEDED_PACKAGES)}, found no {' and no '.join(missing)}: "
             "pip install 'duhamel[mpi]' brings them for Python 3.12 and later on Linux (x86-64)"
         )

@@ -20,24 +20,19 @@ LEAST_DAMPING = 1e-3
 """Damping ratio, beside that of the body, at which errors are judged: resonances are five hundred
 times as high as static displacements then, and an error of frequency counts so many times.
 """
-PARTS = 8
+BAND_PARTS = 8
 """Equal parts of the band, each on a scale of its own: displacements fall with the square of the
 frequency.
 """
-GRID = 16
-"""Frequencies in every part, besides those of the resonances in it."""
-COARSER = 5
+FREQUENCIES_PER_PART = 16  # besides those of the resonances in it
+N_COARSER_STEPS = 5
 """Steps, from h to the coarsest that resolves the band, of which g[0] is looked at."""
-AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)
-"""The delay d of g[0] = G(0)."""
-AT_REST: Complex = np.zeros(1, dtype=np.complex128)
-"""The s of static displacements."""
-SLOW = 0.5
-"""Share of the first natural frequency up to which loads of rotation are slow."""
-NARROWER = 2.0 ** -np.arange(0.0, 6.25, 0.25)
-"""Parts of a band that are tried, each narrower than the one before: quarters of an octave."""
-RESONANCES = 64
-"""Resonances looked at in every part; of more, each second, third, ... from the top."""
+AT_ONCE: Complex = np.zeros(1, dtype=np.complex128)  # the delay d of g[0] = G(0)
+AT_REST: Complex = np.zeros(1, dtype=np.complex128)  # the s of static displacements
+SLOW_SHARE = 0.5  # of the first natural frequency, up to which rotation is slow
+# Parts that are tried, by quarters of an octave.
+NARROWER_BANDS = 2.0 ** -np.arange(0.0, 6.25, 0.25)
+RESONANCES_PER_PART = 64  # of more, each second, third, ... from the top
 
 
 @dataclass(frozen=True)
@@ -111,7 +106,7 @@ class Band:
         Where there is none, the narrowest of the parts that are tried. `better` is taken for the
         truth. turn (m', m), `modes` in terms of it: the error is then that of `field_error` too.
         """
-        for share in NARROWER:
+        for share in NARROWER_BANDS:
             part = replace(self, limit=float(share * self.limit))
             error = part._error_inside(modes, better, turn)
             if error <= tolerance:
@@ -120,7 +115,7 @@ class Band:
 
     def slow(self, modes: Modes) -> "Band":
         """The part of the band in which nothing resonates."""
-        return replace(self, limit=min(self.limit, SLOW * float(modes.frequencies.min())))
+        return replace(self, limit=min(self.limit, SLOW_SHARE * float(modes.frequencies.min())))
 
     def slow_error(self, modes: Modes, better: Modes) -> float:
         """The largest error in the slow part of the band, which g[0] does not belong to."""
@@ -146,7 +141,7 @@ class Band:
 
     def _at_once(self) -> Iterator[Stiffness]:
         """g[0] of steps from h to the coarsest that resolves the band."""
-        for h in np.geomspace(self.h, self.coarsest_step, COARSER):
+        for h in np.geomspace(self.h, self.coarsest_step, N_COARSER_STEPS):
             yield partial(dynamic_stiffness, h=float(h), scheme=self.scheme, delay=AT_ONCE)
 
     def _inside(self, found: Array) -> Iterator[Stiffness]:
@@ -154,11 +149,11 @@ class Band:
         [rad/s].
         """
         yield partial(laplace_stiffness, s=AT_REST)
-        edges = 2.0 * np.pi * np.append(np.linspace(0.0, self.limit, PARTS + 1), self.top)
+        edges = 2.0 * np.pi * np.append(np.linspace(0.0, self.limit, BAND_PARTS + 1), self.top)
         for low, high in reversed(list(pairwise(edges))):
             inside = found[(low <= found) & (found <= high)]
-            inside = np.sort(inside)[:: -(1 + len(inside) // RESONANCES)]
-            omega = np.concatenate([np.linspace(low, high, GRID), inside])
+            inside = np.sort(inside)[:: -(1 + len(inside) // RESONANCES_PER_PART)]
+            omega = np.concatenate([np.linspace(low, high, FREQUENCIES_PER_PART), inside])
             yield partial(laplace_stiffness, s=(LEAST_DAMPING + 1j) * omega)
 
 

@@ -11,13 +11,12 @@ from ..assembly.structure import Structure
 from ..processes import Processes
 from .shapes import at
 
-NEW = 1e-13
-"""Share of a vector that must be new; below, rounding has made it."""
-OUTSIDE = 0.5
+MIN_NEW_SHARE = 1e-13  # of a vector; below, rounding has made it
+MIN_LENGTH_KEPT = 0.5
 """Length that a unit vector, once orthogonal to the basis, must keep: "twice is enough" (Kahan and
 Parlett).
 """
-RESOLVED = 1e-5
+MIN_GRAM_DIRECTION = 1e-5
 """Size of directions, relative to the largest, that one Gram matrix (which squares it) resolves
 with room to spare.
 """
@@ -62,8 +61,8 @@ class Basis:
         MW = self._M @ W
         squares = self.processes.total(np.einsum("ik,ik->k", W, MW))
         unit = 1.0 / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        W, MW = self._normalized(*self._remainder(W * unit, MW * unit, near), NEW)
-        W, _ = self._normalized(*self._remainder(W, MW), OUTSIDE)
+        W, MW = self._normalized(*self._remainder(W * unit, MW * unit, near), MIN_NEW_SHARE)
+        W, _ = self._normalized(*self._remainder(W, MW), MIN_LENGTH_KEPT)
         self._array[:, self.columns : self.columns + W.shape[1]] = W
         self.columns += W.shape[1]
         return int(W.shape[1])
@@ -89,7 +88,7 @@ class Basis:
             sizes = np.sqrt(np.maximum(squares, 0.0))
             if sizes[-1] <= shortest:
                 break
-            long = sizes > max(RESOLVED * sizes[-1], shortest)
+            long = sizes > max(MIN_GRAM_DIRECTION * sizes[-1], shortest)
             scaled = Q[:, long] / sizes[long]
             bases.append(W @ scaled)
             masses.append(MW @ scaled)

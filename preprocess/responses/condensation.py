@@ -12,12 +12,9 @@ from ..body.damping import Damping
 from .band import Band
 from .damping import damped_modes
 
-ABOVE = 1.3
-"""Frequencies up to this multiple of the top of the band stay as they are."""
-FEWEST = 3
-"""Shifts before the first look at the error."""
-DEPENDENT = 1e-7
-"""Length of a direction, relative to the longest, that others have already."""
+KEPT_BAND_RATIO = 1.3  # frequencies up to this multiple of its top stay as they are
+MIN_CONDENSATION_SHIFTS = 3  # before the first look at the error
+MIN_NEW_LENGTH = 1e-7  # of a direction, relative to the longest
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +29,7 @@ class Condensed:
 def condensed(
     modes: Modes, damping: Damping, band: Band, tolerance: float, fields: bool, loads: Array
 ) -> Condensed:
-    """The modes up to `ABOVE` times the band, and a few for all those beyond.
+    """The modes up to `KEPT_BAND_RATIO` times the band, and a few for all those beyond.
 
         y_j = (Omega^2 + s_j)^-1 Phi^T,    Omega, Phi: of the modes beyond
 
@@ -44,14 +41,14 @@ def condensed(
     Source: S. Rubin, AIAA Journal 13 (1975) 995-1006; E. J. Grimme, Krylov projection methods for
     model reduction, thesis, University of Illinois (1997).
     """
-    high = modes.omega > ABOVE * 2.0 * np.pi * band.top
+    high = modes.omega > KEPT_BAND_RATIO * 2.0 * np.pi * band.top
     identity = np.eye(len(modes.omega))
     if not loads[:, high].any():
         return Condensed(modes, identity, 0.0)
     squares, blocks = modes.omega[high] ** 2, []
     for shift, excited in _shifts(band, len(modes.phi), len(loads)):
         blocks.append(loads[:excited, high].T / (squares + shift)[:, None])
-        if len(blocks) < FEWEST:
+        if len(blocks) < MIN_CONDENSATION_SHIFTS:
             continue
         Z = _orthonormal(np.hstack(blocks))
         if Z.shape[1] >= len(squares):
@@ -83,5 +80,5 @@ def _orthonormal(Y: Array) -> Array:
     """An orthonormal basis of the columns of Y, each of its own size."""
     sizes = np.linalg.norm(Y, axis=0)
     U, s, _ = np.linalg.svd(Y[:, sizes > 0.0] / sizes[sizes > 0.0], full_matrices=False)
-    basis: Array = U[:, s > DEPENDENT * s[0]]
+    basis: Array = U[:, s > MIN_NEW_LENGTH * s[0]]
     return basis

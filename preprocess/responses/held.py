@@ -10,14 +10,12 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..errors import MethodError
 from ..solving.factor import Solve, factorize
-from .modal import LIMIT, SMALL
+from .modal import FULL_MODAL_UNKNOWNS, MODAL_LIMIT
 
-SHARE = 0.2
-"""Share of the unknowns from which on Lanczos' method has nothing to save."""
-MISSED = 4
+MAX_LANCZOS_SHARE = 0.2  # of the unknowns, from which on Lanczos' method saves nothing
+N_CHECKED_MODES = 4
 """Modes looked for beside those found: of equal frequencies Lanczos' method may miss one."""
-EQUAL = 1e-9
-"""Difference of squared frequencies, relative to them, that is rounding."""
+EQUAL_SQUARES = 1e-9  # difference of squared frequencies, relative to them, that is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +38,11 @@ def held_modes(structure: Structure, held: Array, count: int, shift: float) -> H
     most = structure.n_u - len(rows)
     if not 1 <= count <= most:
         raise MethodError(f"impulse.modes: expected 1 to {most}, all of this mesh, found {count}")
-    if structure.n_u <= SMALL or count > SHARE * structure.n_u:
-        if structure.n_u > LIMIT:
+    if structure.n_u <= FULL_MODAL_UNKNOWNS or count > MAX_LANCZOS_SHARE * structure.n_u:
+        if structure.n_u > MODAL_LIMIT:
             raise MethodError(
-                f"impulse.modes: expected up to {int(SHARE * structure.n_u)} of a mesh of "
-                f"{structure.n_u} unknowns, found {count}: use method krylov"
+                f"impulse.modes: expected up to {int(MAX_LANCZOS_SHARE * structure.n_u)} of a mesh "
+                f"of {structure.n_u} unknowns, found {count}: use method krylov"
             )
         return _of_all(structure, rows, count, shift)
     return _by_lanczos(structure, rows, count, shift)
@@ -65,10 +63,10 @@ def _by_lanczos(structure: Structure, rows: Array, count: int, shift: float) -> 
     found = _lanczos(structure, solve, count, shift)
     while True:
         rest = _beside(structure, solve, found.shapes)
-        more = _lanczos(structure, rest, MISSED, shift)
+        more = _lanczos(structure, rest, N_CHECKED_MODES, shift)
         last = found.squares[count - 1]
         found = _merged(found, more)
-        if more.squares[0] >= (1.0 - EQUAL) * last:
+        if more.squares[0] >= (1.0 - EQUAL_SQUARES) * last:
             return HeldModes(found.squares[:count], found.shapes[:, :count])
 
 

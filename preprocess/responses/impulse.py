@@ -10,14 +10,14 @@ from ..body.body import Body
 from ..body.loss import damping_of
 from ..memory import require
 from ..progress import Stages
-from ..solving.solver import Solver, solver_of
+from ..solving.solver import SolverFactory, solver_of
 from .band import Band
 from .losses import with_losses
 from .march import march_kernel
-from .modal import SMALL, elastic_shapes
+from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
 from .search import krylov_modes
 from .shapes import Shapes
-from .truncated import METHODS, RIGHT, truncated_modes
+from .truncated import REDUCTIONS, TRUNCATION_ERROR, truncated_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ def impulse_responses(
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     method = impulse.method
     if method == "auto":
-        method = "modal" if structure.n_u <= SMALL else "krylov"
+        method = "modal" if structure.n_u <= FULL_MODAL_UNKNOWNS else "krylov"
     match method:
         case "modal":
             modes, shapes = elastic_shapes(structure, damping)
@@ -84,7 +84,7 @@ def krylov_found(
     body: Body,
     stages: Stages,
     parts: Mapping[str, Any] | None,
-    solver: Solver | None = None,
+    solver: SolverFactory | None = None,
 ) -> tuple[Modes, Shapes, float]:
     """The modes that the method krylov finds, their shapes, and their error.
 
@@ -117,11 +117,11 @@ def _truncated(
 ) -> ImpulseResponses:
     """Those of a number of modes, with the band in which they are right."""
     impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
-    reduction = METHODS[impulse.method](structure, damping, count)
+    reduction = REDUCTIONS[impulse.method](structure, damping, count)
     wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), 0.25 / impulse.step)
     fields = body.recovery is not None
     found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
     modes = with_losses(body, found.modes, found.shapes, parts)
     kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
-    return ImpulseResponses(method, kernel, modes, found.shapes, RIGHT)
+    return ImpulseResponses(method, kernel, modes, found.shapes, TRUNCATION_ERROR)

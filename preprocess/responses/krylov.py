@@ -9,25 +9,22 @@ import scipy.sparse as sp
 from ...files.memory import available, scratch
 from ...superelement import Modes
 from ...superelement.validation import Array
-from ..assembly.structure import RIGID, Structure
+from ..assembly.structure import RIGID_DOFS, Structure
 from ..errors import MethodError
-from ..solving.cost import BLOCKS, REAL, WORK
+from ..solving.cost import EXPECTED_BLOCKS, NUMBER_BYTES, WORK_BLOCKS
 from ..solving.factor import Factor, Solve
 from ..solving.gradients import NotConvergedError
-from ..solving.solver import Patient, Solver, factorized
+from ..solving.solver import Patient, SolverFactory, factorized
 from .basis import Basis
 from .ritz import ritz_modes, space_shapes
 
-FEWEST = 2
-"""Blocks that a space must have room for."""
-LIMIT = 4000
+MIN_BLOCKS = 2  # that a space must have room for
+MAX_KRYLOV_VECTORS = 4000
 """Vectors at most: beyond, the dense eigenproblems of the space take minutes and its basis
 gigabytes.
 """
-RISE = 100.0
-"""Of the low shift, where solutions do not converge with it."""
-WIDE = 16
-"""Modes that are corrected at once: as many as solutions take at the price of fewer."""
+SHIFT_RISE = 100.0  # of the low shift, where solutions do not converge with it
+MODES_AT_ONCE = 16  # as many as solutions take at the price of fewer
 
 
 class KrylovSpace:
@@ -57,7 +54,7 @@ class KrylovSpace:
         structure: Structure,
         shift: float,
         lower: float | None = None,
-        solver: Solver = factorized,
+        solver: SolverFactory = factorized,
         accuracy: float = 0.0,
         at_once: bool = True,
         refined: bool = True,
@@ -69,28 +66,28 @@ class KrylovSpace:
         self._solve: Solve | None = None
         self.inexact = self.rough = False
         if lower is None or at_once:
-            expected = BLOCKS if lower is None else 1
+            expected = EXPECTED_BLOCKS if lower is None else 1
             self._solve_with(shift, "the matrix of the time step", expected)
             self._first = self._next(structure.loads)
         if lower is not None:
             self._lower = lower
-            self._solve_with(lower)
+            self._solve_low()
             if not at_once:
                 self._first = self._next(structure.loads)
         memory, disk = (self._vectors(place) for place in (available, scratch))
         n_c = structure.P_C.shape[0]
-        in_file = memory < RIGID + (BLOCKS + WORK) * n_c and disk > memory
-        self._most = min(LIMIT, disk if in_file else memory)
-        if self._most < RIGID + FEWEST * n_c:
+        in_file = memory < RIGID_DOFS + (EXPECTED_BLOCKS + WORK_BLOCKS) * n_c and disk > memory
+        self._most = min(MAX_KRYLOV_VECTORS, disk if in_file else memory)
+        if self._most < RIGID_DOFS + MIN_BLOCKS * n_c:
             raise MethodError(
-                f"impulse.method krylov: {FEWEST} blocks of {n_c} vectors, the fewest, take more "
-                f"than the {self._most} vectors that there is time and memory for: fewer interface "
-                "dofs, loads and sensors would do, or method march"
+                f"impulse.method krylov: {MIN_BLOCKS} blocks of {n_c} vectors, the fewest, take "
+                f"more than the {self._most} vectors that there is time and memory for: fewer "
+                "interface dofs, loads and sensors would do, or method march"
             )
         self.basis = Basis(structure, min(n_u, self._most), in_file)
         self.basis.extend(structure.U)
-        self._ends = [RIGID]
-        self._newest = RIGID
+        self._ends = [RIGID_DOFS]
+        self._newest = RIGID_DOFS
         self._stiffness = np.zeros((0, 0))
 
     @property
@@ -99,18 +96,18 @@ class KrylovSpace:
 
     @property
     def dimension(self) -> int:
-        return self.basis.columns - RIGID
+        return self.basis.columns - RIGID_DOFS
 
     @property
     def room(self) -> int:
         """The number of vectors that time, and memory or disk, allow, the basis included."""
         free = self._vectors(scratch if self.basis.in_file else available)
         n_c: int = self.structure.P_C.shape[0]
-        return min(self._most, self.basis.columns + free - WORK * n_c)
+        return min(self._most, self.basis.columns + free - WORK_BLOCKS * n_c)
 
     def _vectors(self, place: Callable[[], int]) -> int:
         """The number of vectors that the bytes of a place hold, in all processes."""
-        vectors = place() // (REAL * self.structure.n_here)
+        vectors = place() // (NUMBER_BYTES * self.structure.n_here)
         return -int(self.structure.processes.largest(-vectors))
 
     def grow(self) -> bool:
@@ -154,11 +151,12 @@ class KrylovSpace:
         self.rough = False
 
     def _residuals(self, omega: Array, Q: Array, limit: float) -> Iterator[Array]:
-        """What the equations of modes and of static responses leave (n_u, k), `WIDE` at a time."""
-        K, M, V = self.structure.K, self.structure.M, self.basis.V[:, RIGID : RIGID + len(Q)]
+        """What the equations of modes and of static responses leave, by `MODES_AT_ONCE` columns."""
+        K, M = self.structure.K, self.structure.M
+        V = self.basis.V[:, RIGID_DOFS : RIGID_DOFS + len(Q)]
         inside = int(np.searchsorted(omega, limit))
-        for start in range(0, inside, WIDE):
-            chosen = slice(start, min(start + WIDE, inside))
+        for start in range(0, inside, MODES_AT_ONCE):
+            chosen = slice(start, min(start + MODES_AT_ONCE, inside))
             X = V @ Q[:, chosen]
             yield K @ X - (M @ X) * omega[chosen] ** 2
         loads = self.structure.loads
@@ -170,12 +168,27 @@ class KrylovSpace:
         self._ends.append(self.basis.columns)
 
     def _solve_with(
-        self, shift: float, name: str = "the matrix of a low shift", blocks: int = BLOCKS
+        self, shift: float, name: str = "the matrix of a low shift", blocks: int = EXPECTED_BLOCKS
     ) -> None:
         """Solve with the matrix of a shift from now on."""
         self._solve = None  # two might not fit
         self._solve = self._solver(self.structure, shift, name, self._accuracy, blocks)
         self.inexact |= not isinstance(self._solve, Factor)
+
+    def _solve_low(self) -> None:
+        """Solve with the low shift, or with the first higher one that gradients begin with."""
+        assert self._lower is not None
+        try:
+            self._solve_with(self._lower)
+        except NotConvergedError as error:
+            self._solve_higher(error)
+
+    def _solve_higher(self, error: NotConvergedError) -> None:
+        """Solve with a higher low shift; raise `error` if it would be above that of the step."""
+        if self._lower is None or SHIFT_RISE * self._lower > self._highest:
+            raise error
+        self._lower *= SHIFT_RISE
+        self._solve_low()
 
     def _next(self, B: Array, refined: bool = True) -> Array:
         """S^-1 B, with a higher shift from here on where the low one asks too much of gradients."""
@@ -186,17 +199,14 @@ class KrylovSpace:
             self.rough |= quick is not None
             try:
                 return (quick or solve)(B)
-            except NotConvergedError:
-                if self._lower is None or RISE * self._lower > self._highest:
-                    raise
-                self._lower *= RISE
-                self._solve_with(self._lower)
+            except NotConvergedError as error:
+                self._solve_higher(error)
 
     def ritz(self, blocks: int) -> tuple[Array, Array]:
         """omega (m,) [rad/s] and Q (r, m) of the first blocks, as `ritz_modes` has them."""
         self._reduce_stiffness()
-        size = self._ends[blocks] - RIGID
-        V = self.basis.V[:, RIGID : RIGID + size]
+        size = self._ends[blocks] - RIGID_DOFS
+        V = self.basis.V[:, RIGID_DOFS : RIGID_DOFS + size]
         return ritz_modes(self.structure, V, self._stiffness[:size, :size])
 
     def frequency_changes(self, omega: Array, Q: Array) -> Array:
@@ -208,7 +218,7 @@ class KrylovSpace:
         of the part q of a mode in them: Ritz values are stationary.
         """
         self._reduce_stiffness()
-        start = self._newest - RIGID
+        start = self._newest - RIGID_DOFS
         K, q = self._stiffness[start:, start:], Q[start:]
         K = np.triu(K) + np.triu(K, 1).T
         energy = np.einsum("ik,ik->k", q, K @ q) / omega**2
@@ -227,7 +237,7 @@ class KrylovSpace:
         """Extend V^T K V, the upper half, by the new columns: many are as quick as a few."""
         done = len(self._stiffness)
         if done < self.dimension:
-            V = self.basis.V[:, RIGID:]
+            V = self.basis.V[:, RIGID_DOFS:]
             new = self.structure.total(V.T @ (self.structure.K @ V[:, done:]))
             left = np.pad(self._stiffness, ((0, self.dimension - done), (0, 0)))
             self._stiffness = np.hstack([left, new])

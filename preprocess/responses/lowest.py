@@ -6,15 +6,15 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...superelement.validation import Array
-from ..assembly.structure import RIGID, Structure
+from ..assembly.structure import RIGID_DOFS, Structure
 from ..errors import MeshError
 from ..mesh.nodes import Nodes
 
-INDEPENDENT = 1e-9
+MIN_FIELD_EIGENVALUE = 1e-9
 """Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of
 others.
 """
-ABSENT = 1e-12
+MIN_FIELD_MASS = 1e-12
 """Mass that moves with a field, relative to the largest, below which the body has no such motion: a
 straight beam none that grows across it.
 """
@@ -33,21 +33,21 @@ def first_square(structure: Structure) -> float:
     V = _quadratic_fields(structure.nodes, rigid.center, size)
     K, M = (structure.total(V.T @ (matrix @ V)) for matrix in (structure.K, structure.M))
     squares = processes.agreed(lambda: _squares(K, M))
-    if len(squares) <= RIGID or not 0.0 < squares[RIGID] < np.inf:
+    if len(squares) <= RIGID_DOFS or not 0.0 < squares[RIGID_DOFS] < np.inf:
         raise MeshError(
             "the first frequency of the body cannot be told from rounding: expected a body that "
             "is neither a mechanism nor made of materials of many orders of magnitude"
         )
-    return float(squares[RIGID])
+    return float(squares[RIGID_DOFS])
 
 
 def _squares(K: Array, M: Array) -> Array:
     """omega^2 (m,), ascending, of what is independent among the fields."""
-    moving = M.diagonal() > ABSENT * M.diagonal().max()
+    moving = M.diagonal() > MIN_FIELD_MASS * M.diagonal().max()
     K, M = (matrix[np.ix_(moving, moving)] for matrix in (K, M))
     scale = 1.0 / np.sqrt(M.diagonal())
     mass, vectors = eigh(M * np.outer(scale, scale))
-    independent = mass > INDEPENDENT
+    independent = mass > MIN_FIELD_EIGENVALUE
     basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
     squares: Array = eigh(basis.T @ K @ basis, eigvals_only=True)
     return squares

@@ -11,9 +11,8 @@ from ..errors import MeshError, MethodError
 from .damping import damped_modes
 from .shapes import Shapes
 
-SMALL = 1000
-"""Unknowns up to which all modes are as quick as some."""
-LIMIT = 4000
+FULL_MODAL_UNKNOWNS = 1000  # up to which all modes are as quick as some
+MODAL_LIMIT = 4000
 """Unknowns up to which all modes are computed; beyond, the dense eigenproblem takes minutes and
 gigabytes.
 """
@@ -29,11 +28,11 @@ def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shape
     """All modes but the six rigid ones, K phi = omega^2 M phi: at the interfaces, and wherever
     asked.
 
-    `MethodError` above `LIMIT` unknowns.
+    `MethodError` above `MODAL_LIMIT` unknowns.
     """
-    if structure.n_u > LIMIT:
+    if structure.n_u > MODAL_LIMIT:
         raise MethodError(
-            f"impulse.method modal takes up to {LIMIT} unknowns, found {structure.n_u}: "
+            f"impulse.method modal takes up to {MODAL_LIMIT} unknowns, found {structure.n_u}: "
             "use method krylov"
         )
     values, vectors = eigh(

@@ -7,7 +7,7 @@ from scipy.linalg import null_space
 
 from ...superelement import Modes
 from ...superelement.validation import Array
-from ..assembly.structure import RIGID, Structure
+from ..assembly.structure import RIGID_DOFS, Structure
 from ..body.damping import Damping
 from .basis import Basis
 from .damping import damped_modes
@@ -16,8 +16,7 @@ from .ritz import ritz_modes, space_shapes
 from .shapes import Shapes
 from .static import static_shapes
 
-DEPENDENT = 1e-9
-"""Motions of the interfaces, relative to the largest, that are rounding."""
+MIN_INTERFACE_MOTION = 1e-9  # relative to the largest; less is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +43,9 @@ def craig_bampton(structure: Structure, damping: Damping, count: int) -> Reducti
     n_c = structure.n_c
     rigid = structure.P_C @ structure.U
     attachments, inertia = _statics(structure)
-    balanced = null_space(rigid.T, rcond=DEPENDENT)
+    balanced = null_space(rigid.T, rcond=MIN_INTERFACE_MOTION)
     # Interfaces that do not hold a body leave rigid motions, which are no modes to be counted.
-    loose = structure.U @ null_space(rigid[:n_c], rcond=DEPENDENT)
+    loose = structure.U @ null_space(rigid[:n_c], rcond=MIN_INTERFACE_MOTION)
     held = np.vstack([structure.P_C[:n_c].toarray(), (structure.M @ loose).T])
     fixed = held_modes(structure, held, count, _first_square(structure, attachments))
     return _reduced(structure, damping, fixed, np.hstack([attachments @ balanced, inertia]))
@@ -76,11 +75,11 @@ def _statics(structure: Structure) -> tuple[Array, Array]:
 
 def _reduced(structure: Structure, damping: Damping, normal: HeldModes, static: Array) -> Reduction:
     """The modes of the body in the space of its rigid, normal and static ones."""
-    columns = RIGID + normal.shapes.shape[1] + static.shape[1]
+    columns = RIGID_DOFS + normal.shapes.shape[1] + static.shape[1]
     basis = Basis(structure, min(columns, structure.n_u))
     for motions in (structure.U, normal.shapes, static):
         basis.extend(motions)
-    V = basis.V[:, RIGID:]
+    V = basis.V[:, RIGID_DOFS:]
     omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
     shapes = space_shapes(basis, Q)
     modes = damped_modes(damping, omega, shapes(structure.P_C))

@@ -4,17 +4,16 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...superelement.validation import Array
-from ..assembly.structure import RIGID, Structure
+from ..assembly.structure import RIGID_DOFS, Structure
 from ..errors import MeshError
 from .basis import Basis
 from .shapes import Shapes
 
-LOW = 1e-6
+MIN_RESOLVED_EIGENVALUE = 1e-6
 """Eigenvalues, relative to the largest, that drown in its rounding: they are found anew from
 displacements.
 """
-NOTHING = 1e-14
-"""Eigenvalues, relative to the largest, that only rounding keeps from zero."""
+ZERO_EIGENVALUE = 1e-14  # relative to the largest: only rounding keeps it from zero
 
 
 def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array, Array]:
@@ -26,16 +25,16 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
     """
     agreed = structure.processes.agreed
     squares, Q = agreed(lambda: eigh(stiffness, lower=False))
-    low = squares < LOW * squares[-1]
+    low = squares < MIN_RESOLVED_EIGENVALUE * squares[-1]
     if low.any():
         shapes = V @ Q[:, low]
         smaller = structure.total(shapes.T @ (structure.K @ shapes))
         squares[low], turn = agreed(lambda: eigh(smaller))
         Q[:, low] = Q[:, low] @ turn
-    if squares[0] <= NOTHING * squares[-1]:
+    if squares[0] <= ZERO_EIGENVALUE * squares[-1]:
         raise MeshError(
             "expected six zero modes, found "
-            f"{RIGID + int((squares <= NOTHING * squares[-1]).sum())}: the body is a "
+            f"{RIGID_DOFS + int((squares <= ZERO_EIGENVALUE * squares[-1]).sum())}: the body is a "
             f"mechanism, eigenvalues {squares[:8].tolist()}"
         )
     return np.sqrt(squares), Q
@@ -43,4 +42,4 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
 
 def space_shapes(basis: Basis, Q: Array) -> Shapes:
     """V Q (n_u, m), with V the columns of the basis after its six rigid modes."""
-    return Shapes(basis.V[:, RIGID : RIGID + len(Q)], Q, basis.processes)
+    return Shapes(basis.V[:, RIGID_DOFS : RIGID_DOFS + len(Q)], Q, basis.processes)

@@ -13,27 +13,25 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from ..errors import MethodError
-from ..solving.solver import Solver, factorized
+from ..solving.solver import SolverFactory, factorized
 from .accuracy import rounding_error, solution_accuracy, unsolved_error
 from .band import Band
 from .condensation import condensed
 from .damping import damped_modes
-from .krylov import FEWEST, KrylovSpace
+from .krylov import MIN_BLOCKS, KrylovSpace
 from .ritz import space_shapes
 from .shapes import Shapes
 from .shifts import far_above, shifts
 from .static import slow_chain
 
-GROWTH = 0.1
+MAX_UNCHECKED_GROWTH = 0.1
 """The error is estimated at the latest when the space has grown by this share of itself."""
-SAFETY = 2.0
+CHANGE_FACTOR = 2.0
 """What the last block has changed counts so many times: alone, it is down to 0.6 of the error at
 times.
 """
-STALLED = 0.3
-"""An error that has not fallen to so much of the least before is no longer falling."""
-CONDENSED = 0.1
-"""Share of the tolerance that may be spent on condensing the modes above the band."""
+STALL_RATIO = 0.3  # of the least error before: one that is above does not fall
+CONDENSATION_ERROR_SHARE = 0.1  # of the tolerance, spent on condensing the modes above the band
 OF_FIELDS = 0.1
 """Part of it where fields count: stresses at a point err by some times the error in energy."""
 Watch = Callable[[str], None]
@@ -47,18 +45,18 @@ def krylov_modes(
     tolerance: float,
     watch: Watch,
     fields: bool = False,
-    solver: Solver = factorized,
+    solver: SolverFactory = factorized,
 ) -> tuple[Modes, Shapes, float]:
     """Modes right to `tolerance` in the band, their shapes, and the estimated error.
 
-    The estimate is the change by the last block, times `SAFETY`, and what condensing the modes
-    above the band and leaving out those that loads hardly excite makes, each a tenth of the
+    The estimate is the change by the last block, times `CHANGE_FACTOR`, and what condensing the
+    modes above the band and leaving out those that loads hardly excite makes, each a tenth of the
     tolerance at most; without a factor another tenth, for the solutions. Where the space is
     exhausted it holds every mode that the interfaces can excite. Where rounding keeps the error
     above the tolerance, it is stated as it is. With `fields` it includes the displacements and
     strains of the whole body; where the structure has loads of rotation, their slow responses.
     `watch` is called with the progress as text. `MethodError` if the tolerance asks for a larger
-    space than `LIMIT` or the memory allows.
+    space than `MAX_KRYLOV_VECTORS` or the memory allows.
     """
     chain, agreed = slow_chain(structure), structure.processes.agreed
     shift, lower = shifts(structure, damping, band)
@@ -74,7 +72,7 @@ def krylov_modes(
         found = search.with_rotation(found, chain)
     modes, Q = _only(found.modes, ~found.weak), found.Q[:, ~found.weak]
     loads = space.with_rotation(modes, Q).phi if chain else modes.phi
-    share = CONDENSED * tolerance * (OF_FIELDS if fields else 1.0)
+    share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
     few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
     stated = found.error + found.lost + few.error + unsolved
     return few.modes, space_shapes(space.basis, Q @ few.Y), stated
@@ -116,7 +114,7 @@ class Search:
 
     def run(self) -> Found:
         """The modes once they are right, or once the space is exhausted."""
-        space, check, errors = self.space, FEWEST, dict[int, float]()
+        space, check, errors = self.space, MIN_BLOCKS, dict[int, float]()
         while space.grow():
             if space.blocks < check:
                 continue
@@ -144,7 +142,7 @@ class Search:
             modes, Q = self._modes_of(self.space.blocks)
             before, better = better, self.space.with_rotation(modes, Q)
             if before is not None:
-                error = SAFETY * self.band.slow_error(before, better)
+                error = CHANGE_FACTOR * self.band.slow_error(before, better)
                 if error <= self.tolerance:
                     break
         return self._without_weak(modes, Q, max(found.error, error))
@@ -170,7 +168,7 @@ class Search:
     @property
     def _goal(self) -> float:
         """The error of the space that leaves room for the others."""
-        return (1.0 - 2.0 * CONDENSED) * self.tolerance - self.unsolved
+        return (1.0 - 2.0 * CONDENSATION_ERROR_SHARE) * self.tolerance - self.unsolved
 
     def _found(self, earlier: float) -> Found:
         """The modes of the space; earlier: the least error before, which says whether it falls."""
@@ -179,7 +177,7 @@ class Search:
         before, Q_before = self._modes_of(blocks - 1)
         turn = Q[: len(Q_before)].T @ Q_before if self.fields else None
         error = agreed(partial(_change, self.band, before, modes, turn, self.tolerance))
-        stalled = STALLED * earlier <= error <= rounding_error(self.space, modes, Q)
+        stalled = STALL_RATIO * earlier <= error <= rounding_error(self.space, modes, Q)
         if error <= self._goal or stalled:
             found = self._without_weak(modes, Q, error)
         else:
@@ -193,7 +191,7 @@ class Search:
         weak = _weak(self.space, modes, Q, self.band, largest)
         agreed = self.space.structure.processes.agreed
         lost = agreed(partial(_lost, self.band, modes, weak, self.fields))
-        return Found(modes, Q, error, weak, lost, lost <= CONDENSED * largest)
+        return Found(modes, Q, error, weak, lost, lost <= CONDENSATION_ERROR_SHARE * largest)
 
     def _modes_of(self, blocks: int) -> tuple[Modes, Array]:
         """The modes of the first blocks, and their coordinates."""
@@ -220,7 +218,7 @@ def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) 
     frequency that no mode of the body has.
     """
     inside = modes.omega <= 2.0 * np.pi * band.top
-    weak: Mask = inside & (SAFETY * space.frequency_changes(modes.omega, Q) > error)
+    weak: Mask = inside & (CHANGE_FACTOR * space.frequency_changes(modes.omega, Q) > error)
     return weak
 
 
@@ -241,9 +239,9 @@ def _lost(band: Band, modes: Modes, weak: Mask, fields: bool) -> float:
 
 def _next_check(errors: dict[int, float], blocks: int, tolerance: float) -> int:
     """The number of blocks at which the error is to be estimated next: where it would be within the
-    tolerance if it went on falling as it did, at the latest by `GROWTH`.
+    tolerance if it went on falling as it did, at the latest by `MAX_UNCHECKED_GROWTH`.
     """
-    latest = 1 + int(GROWTH * blocks)
+    latest = 1 + int(MAX_UNCHECKED_GROWTH * blocks)
     if len(errors) > 1:
         (earlier, before), (_, error) = list(errors.items())[-2:]
         decades = np.log(before / error) / (blocks - earlier) if 0.0 < error < before else 0.0
@@ -253,9 +251,11 @@ def _next_check(errors: dict[int, float], blocks: int, tolerance: float) -> int:
 
 
 def _change(band: Band, before: Modes, modes: Modes, turn: Array | None, enough: float) -> float:
-    """The error that the last block leaves to be expected: what it has changed, times `SAFETY`.
+    """The error to expect after the last block: what that has changed, times `CHANGE_FACTOR`.
 
     turn (m, m'): the modes before it in terms of those with it, where fields count.
     """
-    error = SAFETY * band.error(before, modes, enough)
-    return error if turn is None else max(error, SAFETY * band.field_error(before, modes, turn))
+    error = CHANGE_FACTOR * band.error(before, modes, enough)
+    return (
+        error if turn is None else max(error, CHANGE_FACTOR * band.field_error(before, modes, turn))
+    )

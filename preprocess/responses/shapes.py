@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...superelement.validation import Array
-from ..processes import ALONE, Processes
+from ..processes import ONE_PROCESS, Processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,7 +15,7 @@ class Shapes:
 
     V: Array
     Q: Array | None = None
-    processes: Processes = ALONE
+    processes: Processes = ONE_PROCESS
 
     def __call__(self, rows: Any) -> Array:
         """rows @ Phi (k, m) for sparse rows (k, n_u): chosen dofs, or what is linear in them."""

@@ -8,11 +8,10 @@ from ..body.damping import Damping, Rayleigh
 from .band import Band
 from .lowest import first_square
 
-LOW = 0.1
-"""The shift of all blocks but the first, over the square of the first frequency, about."""
-NEAR = 4.0
+LOW_SHIFT_RATIO = 0.1  # to the square of the first frequency, about
+SHARED_SHIFT_FACTOR = 4.0
 """A step whose shift is within this factor of the low one, squared, serves for both."""
-FAR = 10.0
+MAX_HELD_SHIFT = 10.0
 """A space that holds the band holds responses with shifts up to this multiple of the square of its
 top: of 7, g[0] was right to 1e-11 where the band was to 1e-7.
 """
@@ -25,15 +24,15 @@ def shifts(structure: Structure, damping: Damping, band: Band) -> tuple[float, f
     static responses are nearly its own; it takes the fewest blocks for the whole of the band.
     """
     shift = _shift(damping, band.scheme, band.h)
-    low = LOW * first_square(structure)
-    return shift, low if shift > NEAR**2 * low else None
+    low = LOW_SHIFT_RATIO * first_square(structure)
+    return shift, low if shift > SHARED_SHIFT_FACTOR**2 * low else None
 
 
 def far_above(shift: float, band: Band) -> bool:
     """Whether a shift is so far above the band that a space which holds the band does not hold
     responses with that shift: g[0], if the shift is that of the step.
     """
-    return shift > FAR * (2.0 * np.pi * band.top) ** 2
+    return shift > MAX_HELD_SHIFT * (2.0 * np.pi * band.top) ** 2
 
 
 def _shift(damping: Damping, scheme: GeneralizedAlpha, h: float) -> float:

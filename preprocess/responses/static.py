@@ -1,5 +1,6 @@
 """Responses at rest: static compliance and initial accelerations of the interfaces."""
 
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,16 @@ from ..assembly.rigid import project
 from ..assembly.structure import Structure
 from ..errors import MeshError
 from ..solving.factor import Solve, factorize
+from ..solving.gradients import Columns, descend
 from .basis import Basis
 
-UNDETERMINED = 1e-3
+MAX_REFINEMENT_CHANGE = 1e-3
 """Change of the compliance by one step of refinement, relative to its largest entries, that says it
 is rounding.
 """
-ITERATIONS = 200
-"""Steps of conjugate gradients; meshes of solids take 60 or so, whatever their size."""
-CONVERGED = 1e-14
-CHAIN = 5
+MAX_MASS_STEPS = 200  # of gradients: meshes of solids take 60 or so, whatever their size
+MASS_RESIDUAL = 1e-14
+MAX_SLOW_BLOCKS = 5
 """Blocks of slow responses at most: up to half the first frequency each leaves a sixteenth of the
 error.
 """
@@ -81,7 +82,7 @@ def refined(structure: Structure, solve: Solve, f: Array) -> Array:
 
 
 def slow_chain(structure: Structure) -> list[Array]:
-    """P K^+ F, P K^+ M K^+ F, ...: up to `CHAIN` blocks (n_u, 6); none without loads of rotation.
+    """P K^+ F, P K^+ M K^+ F, ...: up to `MAX_SLOW_BLOCKS` blocks (n_u, 6), for loads of rotation.
 
     In a space with k of them the changes d = F^T u of inertia under loads F s are right in their
     first 2 k terms in powers of the squared frequency, the first of which is the response at rest.
@@ -89,11 +90,11 @@ def slow_chain(structure: Structure) -> list[Array]:
     if structure.inertia is None:
         return []
     solve = static_solver(structure)
-    most = structure.U.shape[1] + CHAIN * structure.inertia_loads.shape[1]
+    most = structure.U.shape[1] + MAX_SLOW_BLOCKS * structure.inertia_loads.shape[1]
     basis = Basis(structure, most)
     basis.extend(structure.U)
     blocks = [refined(structure, solve, structure.inertia_loads)]
-    while len(blocks) < CHAIN and (new := basis.extend(blocks[-1])):
+    while len(blocks) < MAX_SLOW_BLOCKS and (new := basis.extend(blocks[-1])):
         blocks.append(solve(structure.M @ basis.V[:, basis.columns - new :]))
     return blocks
 
@@ -101,11 +102,11 @@ def slow_chain(structure: Structure) -> list[Array]:
 def _check_determined(H: Array, change: Array) -> None:
     """`MeshError` for a compliance that one step of refinement changes."""
     scale = np.sqrt(np.abs(np.diag(H)))
-    if (found := np.max(np.abs(change) / np.outer(scale, scale))) > UNDETERMINED:
+    if (found := np.max(np.abs(change) / np.outer(scale, scale))) > MAX_REFINEMENT_CHANGE:
         raise MeshError(
             "the static compliance of the body is not determined: one step of refinement changes "
-            f"it by {found:.1e}, expected {UNDETERMINED:g} at most: the body is a mechanism, "
-            "or far too slender for its mesh"
+            f"it by {found:.1e}, expected {MAX_REFINEMENT_CHANGE:g} at most: the body is a "
+            "mechanism, or far too slender for its mesh"
         )
 
 
@@ -125,38 +126,20 @@ def initial_accelerations(structure: Structure) -> Array:
     askew to the axes of the mesh. Source: A. J. Wathen, IMA Journal of Numerical Analysis 7 (1987)
     449-457.
     """
-    solution = _conjugate_gradients(structure.M.tocsr(), structure.loads)
-    return (
-        solution
-        if solution is not None
-        else factorize(structure.M, "the mass matrix")(structure.loads)
-    )
+    M, loads = structure.M.tocsr(), structure.loads
+    solution = _solved_by_gradients(M, loads)
+    return solution if solution is not None else factorize(M, "the mass matrix")(loads)
 
 
-def _conjugate_gradients(A: Any, B: Array) -> Array | None:
-    """A^-1 B for B (n, k), with Jacobi's preconditioner; None after `ITERATIONS` steps."""
+def _solved_by_gradients(A: Any, B: Array) -> Array | None:
+    """A^-1 B for B (n, k), with Jacobi's preconditioner; None after `MAX_MASS_STEPS`."""
     inverse = 1.0 / A.diagonal()[:, None]
-    small = CONVERGED * np.linalg.norm(B, axis=0)
+    small = MASS_RESIDUAL * np.linalg.norm(B, axis=0)
     X, R = np.zeros_like(B), B.copy()
-    Z = inverse * R
-    P, rz = Z, _dots(R, Z)
-    for _ in range(ITERATIONS):
-        AP = A @ P
-        step = rz / _dots(P, AP)
-        X += step * P
-        R -= step * AP
+    for _ in islice(descend(Columns(A.__matmul__, lambda R: inverse * R), R, X), MAX_MASS_STEPS):
         if (np.linalg.norm(R, axis=0) <= small).all():
             return X
-        Z = inverse * R
-        rz, before = _dots(R, Z), rz
-        P = Z + (rz / before) * P
     return None
-
-
-def _dots(A: Array, B: Array) -> Array:
-    """The inner products of columns."""
-    products: Array = np.einsum("ik,ik->k", A, B)
-    return products
 
 
 def _determinate_dofs(structure: Structure) -> Array:

@@ -11,16 +11,14 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from .band import Band
-from .modal import SMALL, elastic_shapes
+from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
 from .reduction import Reduction, craig_bampton, rubin
 from .search import Watch, krylov_modes
 from .shapes import Shapes
 
-RIGHT = 1e-2
-"""Error of the transfer function up to which truncated modes count as right."""
-REFERENCE = 0.1
-"""Share of it that the modes may err by which they are measured against."""
-METHODS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
+TRUNCATION_ERROR = 1e-2  # of the transfer function, up to which modes count as right
+REFERENCE_SHARE = 0.1  # that the modes may err by which they are measured
+REDUCTIONS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
     "craig-bampton": craig_bampton,
     "rubin": rubin,
 }
@@ -44,7 +42,7 @@ def truncated_modes(
     watch: Watch,
     fields: bool = False,
 ) -> Truncation:
-    """The modes of a reduction with the band, within `wide`, in which they are right to `RIGHT`.
+    """The modes of a reduction, with the band within `wide` in which they are right.
 
     At most up to the frequency of the last mode that was asked for. They are measured: against all
     modes of a small mesh, and against Krylov's of a large one, which are right to a tenth of that.
@@ -54,7 +52,7 @@ def truncated_modes(
     band = replace(wide, limit=min(wide.limit, reduction.cutoff))
     better, shapes, own = _reference(structure, damping, band, watch, fields)
     turn = _turn(structure, reduction.shapes, shapes) if fields else None
-    right, error = band.within(RIGHT, reduction.modes, better, turn)
+    right, error = band.within(TRUNCATION_ERROR, reduction.modes, better, turn)
     modes = replace(reduction.modes, h_min=0.25 / right.limit)
     return Truncation(modes, reduction.shapes, error + own, right.limit)
 
@@ -63,9 +61,9 @@ def _reference(
     structure: Structure, damping: Damping, band: Band, watch: Watch, fields: bool
 ) -> tuple[Modes, Shapes, float]:
     """Modes that are right in the band, their shapes, and their error."""
-    if structure.n_u <= SMALL:
+    if structure.n_u <= FULL_MODAL_UNKNOWNS:
         return *elastic_shapes(structure, damping), 0.0
-    return krylov_modes(structure, damping, band, REFERENCE * RIGHT, watch, fields)
+    return krylov_modes(structure, damping, band, REFERENCE_SHARE * TRUNCATION_ERROR, watch, fields)
 
 
 def _turn(structure: Structure, shapes: Shapes, better: Shapes) -> Array:

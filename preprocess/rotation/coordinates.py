@@ -11,15 +11,12 @@ from ..body.body import NonlinearCoordinates
 from ..mesh.mesh import IntArray
 from .statics import Stiffening
 
-LOOKED_AT = 4
-"""Lowest modes that are looked at for each that is asked for."""
-SOFT = 1e-2
-"""kappa, relative to the largest, from which on loads stiffen a shape."""
-INDEPENDENT = 1e-10
+LOOKED_AT = 4  # lowest modes that are looked at for each that is asked for
+MIN_KAPPA = 1e-2  # kappa, relative to the largest, from which on loads stiffen a shape
+MIN_ATTACHMENT_EIGENVALUE = 1e-10
 """Eigenvalue of the scaled mass matrix of attachments below which one is a sum of others."""
 
-TAKEN = 0.03
-"""The part of the stiffening by a load that a soft shape may take with its stress."""
+MAX_STIFFENING_TAKEN = 0.03  # of that by a load, which a soft shape takes with its stress
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,22 +72,24 @@ def choose(
         Psi_a = (K^+ - Phi_low omega_low^-2 Phi_low^T) P_C^T
         G z = omega^2 M z,    G = P_C Psi_a,    M = Psi_a^T M Psi_a,    z^T M z = 1
 
-    of those that loads stiffen: kappa from `SOFT` of the largest on. A stiff one, as the stretch of
-    a bar, would take its stress out of what stiffens the others; so would some of a body that is
-    short or bent, of which `TAKEN` is allowed, unless level 2 has the energy that gives it back.
-    Source: docs/theory.md, Fast rotation.
+    of those that loads stiffen: kappa from `MIN_KAPPA` of the largest on. A stiff one, as the
+    stretch of a bar, would take its stress out of what stiffens the others; so would some of a body
+    that is short or bent, of which `MAX_STIFFENING_TAKEN` is allowed, unless level 2 has the energy
+    that gives it back. Source: docs/theory.md, Fast rotation.
     """
     unit = np.eye(len(modes.omega))
     order = np.argsort(modes.omega)[: LOOKED_AT * asked.modes]
     mode_kappa = stiffening.most(unit[:, order], modes.omega[order] ** 2)
-    low = order[mode_kappa >= SOFT * mode_kappa.max()][: asked.modes]
+    low = order[mode_kappa >= MIN_KAPPA * mode_kappa.max()][: asked.modes]
     Y, squares = unit[:, low], modes.omega[low] ** 2
     soft, soft_squares = attachments(modes, low, loaded)
     soft_kappa = stiffening.most(soft, soft_squares)
     kappa = np.sort(np.concatenate([mode_kappa, soft_kappa]))[::-1]
-    kept = _most(soft_kappa, asked.soft, SOFT * kappa[0])
+    kept = _most(soft_kappa, asked.soft, MIN_KAPPA * kappa[0])
     if asked.level == 1:
-        kept = kept[stiffening.taken(soft[:, kept], soft_squares[kept], Y, squares) <= TAKEN]
+        kept = kept[
+            stiffening.taken(soft[:, kept], soft_squares[kept], Y, squares) <= MAX_STIFFENING_TAKEN
+        ]
     kept = np.sort(kept)
     return _coordinates(modes, low, soft[:, kept], soft_squares[kept], kappa / kappa[0])
 
@@ -116,7 +115,7 @@ def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, A
     scale = 1.0 / np.sqrt(np.maximum((c * c).sum(axis=1), np.finfo(float).tiny))
     c = scale[:, None] * c
     mass, Z = eigh(c @ c.T)
-    independent = mass > INDEPENDENT * mass.max(initial=0.0)
+    independent = mass > MIN_ATTACHMENT_EIGENVALUE * mass.max(initial=0.0)
     c = (Z[:, independent] / np.sqrt(mass[independent])).T @ c
     squares, z = eigh((c * modes.omega**2) @ c.T)
     return c.T @ z, squares

@@ -10,7 +10,7 @@ from ..assembly.rigid import relieve
 from ..assembly.second_order import SecondOrder
 from ..assembly.structure import Structure
 from ..body.body import NonlinearCoordinates
-from ..mesh.mesh import NONE, IntArray
+from ..mesh.mesh import NO_NODES, IntArray
 from ..responses.shapes import Shapes
 from ..responses.static import refined, static_solver
 from .coordinates import Coordinates, choose, lowest
@@ -69,7 +69,7 @@ def _chosen(
 
 def _loaded(structure: Structure, asked: NonlinearCoordinates) -> IntArray:
     """The rows of the interfaces whose loads soft shapes are made for."""
-    rows, start = [NONE], 0
+    rows, start = [NO_NODES], 0
     for interface in structure.interfaces:
         if asked.loaded is None or interface.name in asked.loaded:
             rows.append(np.arange(start, start + interface.n_dofs))

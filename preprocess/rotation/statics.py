@@ -10,12 +10,11 @@ from ..assembly.structure import Structure
 from ..responses.shapes import Shapes
 from ..responses.static import static_shapes
 
-INDEPENDENT = 1e-12
+MIN_LOAD_EIGENVALUE = 1e-12
 """Eigenvalue of the scaled energies of loads below which one is a sum of others."""
-ROTATION = np.diag([1.0, 1.0, 1.0, np.sqrt(2.0), np.sqrt(2.0), np.sqrt(2.0)])
-"""s(omega) = 1/2 ROTATION (omega omega^T), of which each entry off the diagonal stands for two"""
-LEAST = 1e-2
-"""What a kind of loads stiffens, relative to the other kind, from which on it counts."""
+SPIN_WEIGHTS = np.diag([1.0, 1.0, 1.0, np.sqrt(2.0), np.sqrt(2.0), np.sqrt(2.0)])
+"""s(omega) = 1/2 SPIN_WEIGHTS (omega omega^T): each entry off the diagonal stands for two."""
+MIN_KIND_STIFFENING = 1e-2  # relative to the other kind of loads, from which on it counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +81,7 @@ class Stiffening:
             np.linalg.norm(kind, axis=0) * by_shapes
             for kind in self.fields.by_kind(f.T @ Psi / squares)
         ]
-        kinds = zip(carried, np.maximum(whole, LEAST * max(whole)), strict=True)
+        kinds = zip(carried, np.maximum(whole, MIN_KIND_STIFFENING * max(whole)), strict=True)
         most: Array = np.max([part / total for part, total in kinds], axis=0)
         return most
 
@@ -93,9 +92,9 @@ def statics(structure: Structure) -> Statics:
     u = static_shapes(structure)
     n_c = structure.P_C.shape[0]
     energy = f.T @ u
-    rotation = ROTATION @ energy[n_c:, n_c:] @ ROTATION
+    rotation = SPIN_WEIGHTS @ energy[n_c:, n_c:] @ SPIN_WEIGHTS
     softest = np.linalg.eigvalsh(0.5 * (rotation + rotation.T))[-1]
-    return Statics(f, u, _orthonormal(energy[:n_c, :n_c]), ROTATION / np.sqrt(softest))
+    return Statics(f, u, _orthonormal(energy[:n_c, :n_c]), SPIN_WEIGHTS / np.sqrt(softest))
 
 
 def _orthonormal(energy: Array) -> Array:
@@ -104,6 +103,6 @@ def _orthonormal(energy: Array) -> Array:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(energy), tiny))
     scaled = scale[:, None] * energy * scale
     values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
-    kept = values > INDEPENDENT * values[-1]
+    kept = values > MIN_LOAD_EIGENVALUE * values[-1]
     sums: Array = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
     return sums

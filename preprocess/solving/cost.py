@@ -5,39 +5,24 @@ from dataclasses import dataclass
 
 from ..threads import threads
 
-FACTOR_RATE = 28e9
-"""Operations of a factorization per second and thread."""
-ANALYSIS_RATE = 7e6
-"""Entries of a matrix whose order of elimination is found per second."""
+FACTOR_RATE = 28e9  # operations of a factorization per second and thread
+ANALYSIS_RATE = 7e6  # entries of a matrix whose order of elimination is found per second
 SOLVE_RATE = 12e9
 """Operations of a solve with many right-hand sides per second; one thread does them."""
 PRODUCT_RATE = 5e9
 """Operations that make vectors orthogonal per second, with the estimates of the error in between.
 """
-ASSEMBLY_RATE = 5e6
-"""Entries of K and M that are assembled per second."""
-BLOCK_RATE = 16e9
-"""Operations of products with panels, in single precision, per second and thread."""
-STREAM_RATE = 10e9
-"""Bytes that loops over panels read and write per second and thread."""
-SETUP_RATE = 3e6
-"""Entries of a matrix that multigrid is made of per second."""
-PANEL = 64
-"""Bytes that sixteen vectors of single precision have for an unknown."""
-FEW = 90
-"""Steps of conjugate gradients up to which they are quicker than fewer ones with multigrid."""
-CYCLES = 3.6
-"""Steps with multigrid that reduce the error to a tenth."""
-ENTRY = 12
-"""Bytes of an entry of a sparse matrix, with its row."""
-REAL = 8
-"""Bytes of a number."""
-BLOCKS = 20
-"""Krylov blocks to expect: 16 to 23 were taken by parts with 12 to 144 interface dofs, with the
-defaults.
-"""
-WORK = 8
-"""Blocks that a new one needs memory for beside the basis."""
+ASSEMBLY_RATE = 5e6  # entries of K and M that are assembled per second
+BLOCK_RATE = 16e9  # operations of products with panels, in single precision, per second and thread
+STREAM_RATE = 10e9  # bytes that loops over panels read and write per second and thread
+SETUP_RATE = 3e6  # entries of a matrix that multigrid is made of per second
+PANEL_BYTES = 64  # of sixteen vectors of single precision, for an unknown
+MAX_PLAIN_STEPS = 90  # of gradients, quicker than fewer ones with multigrid
+CYCLES_PER_DIGIT = 3.6
+ENTRY_BYTES = 12  # of a sparse matrix, with its row
+NUMBER_BYTES = 8
+EXPECTED_BLOCKS = 20  # of Krylov vectors: parts with 12 to 144 interface dofs took 16 to 23
+WORK_BLOCKS = 8  # that a new one needs memory for beside the basis
 
 
 @dataclass(frozen=True)
@@ -64,19 +49,19 @@ def factorization_cost(n_u: int, nnz: int) -> Cost:
     return Cost(seconds, 10.0 * _entries(n_u) + 21.0 * nnz + 1200.0 * n_u)
 
 
-def basis_bytes(n_u: int, n_c: int, blocks: int = BLOCKS) -> float:
+def basis_bytes(n_u: int, n_c: int, blocks: int = EXPECTED_BLOCKS) -> float:
     """Bytes of a growing basis: six rigid modes and `blocks` blocks of n_c vectors (n_u,)."""
-    return float(REAL * n_u * (6 + n_c * (blocks + WORK)))
+    return float(NUMBER_BYTES * n_u * (6 + n_c * (blocks + WORK_BLOCKS)))
 
 
-def factor_cost(n_u: int, nnz: int, n_c: int, blocks: int = BLOCKS) -> Cost:
+def factor_cost(n_u: int, nnz: int, n_c: int, blocks: int = EXPECTED_BLOCKS) -> Cost:
     """The cost of `blocks` solutions of n_c vectors by a factor, with the factor.
 
     A solution takes 4 nnz(L) operations for each vector; bytes are those of K + s M and the factor.
     """
     factorization = factorization_cost(n_u, nnz)
     solutions = 4.0 * _entries(n_u) * n_c * blocks / SOLVE_RATE
-    return Cost(factorization.seconds + solutions, factorization.bytes + ENTRY * nnz)
+    return Cost(factorization.seconds + solutions, factorization.bytes + ENTRY_BYTES * nnz)
 
 
 def gradient_steps(condition: float, accuracy: float) -> float:
@@ -85,7 +70,7 @@ def gradient_steps(condition: float, accuracy: float) -> float:
 
 
 def gradient_cost(
-    n_u: int, nnz: int, n_c: int, condition: float, accuracy: float, blocks: int = BLOCKS
+    n_u: int, nnz: int, n_c: int, condition: float, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Cost:
     """The cost of `blocks` solutions of n_c vectors by conjugate gradients.
 
@@ -95,17 +80,17 @@ def gradient_cost(
     blocks while it is made.
     """
     panels = math.ceil(n_c / 16)
-    product, loop = 32.0 * nnz / BLOCK_RATE / threads(), PANEL * n_u / STREAM_RATE / threads()
-    steps, memory = gradient_steps(condition, accuracy), 4.5 * nnz + 7.0 * PANEL * n_u
-    if steps <= FEW:
+    product, loop = 32.0 * nnz / BLOCK_RATE / threads(), PANEL_BYTES * n_u / STREAM_RATE / threads()
+    steps, memory = gradient_steps(condition, accuracy), 4.5 * nnz + 7.0 * PANEL_BYTES * n_u
+    if steps <= MAX_PLAIN_STEPS:
         return Cost(blocks * panels * steps * (product + 13.0 * loop), memory)
-    steps = CYCLES * math.log10(1.0 / accuracy)
+    steps = CYCLES_PER_DIGIT * math.log10(1.0 / accuracy)
     seconds = blocks * panels * steps * (7.0 * product + 40.0 * loop)
     return Cost(seconds + nnz / SETUP_RATE, memory + 13.5 * nnz)
 
 
 def krylov_cost(
-    n_u: int, nnz: int, n_c: int, steps: int, solutions: Cost, blocks: int = BLOCKS
+    n_u: int, nnz: int, n_c: int, steps: int, solutions: Cost, blocks: int = EXPECTED_BLOCKS
 ) -> Cost:
     """The cost of a build with n_c interface dofs, `steps` steps and `blocks` blocks of Krylov
     vectors, whose solutions cost as much as is given.
@@ -116,10 +101,10 @@ def krylov_cost(
     """
     vectors = 6 + n_c * blocks
     products = 4.0 * n_u * vectors**2 / PRODUCT_RATE
-    kernels = 4.0 * REAL * n_c**2 * steps
+    kernels = 4.0 * NUMBER_BYTES * n_c**2 * steps
     return Cost(
         nnz / ASSEMBLY_RATE + solutions.seconds + products,
-        2.0 * ENTRY * nnz + solutions.bytes + basis_bytes(n_u, n_c, blocks) + kernels,
+        2.0 * ENTRY_BYTES * nnz + solutions.bytes + basis_bytes(n_u, n_c, blocks) + kernels,
     )
 
 

@@ -17,13 +17,10 @@ from .cost import factorization_cost
 
 Solve = Callable[[Array], Array]
 
-ACCURATE = 1e-10
-"""The residual that is accepted; that of a stable factorization is some 1e-16, whatever the matrix.
-"""
-COLUMNS = 12
-"""Right-hand sides that memory is set aside for: two interfaces of six dofs."""
-COARSER = "use a coarser mesh, or a machine with more memory"
-NOTHING: Mapping[str, float] = {}
+MAX_FACTOR_RESIDUAL = 1e-10  # of a stable factorization it is some 1e-16, whatever the matrix
+PLANNED_COLUMNS = 12  # right-hand sides with memory set aside: two interfaces of six dofs
+COARSER_MESH_ADVICE = "use a coarser mesh, or a machine with more memory"
+NO_NEEDS: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +64,7 @@ def factorizations() -> Iterator[list[str]]:
         _summaries.reset(token)
 
 
-def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Factor:
+def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Factor:
     """Factorize a sparse symmetric positive definite matrix (n, n) with rslab, or the next library.
 
         max_i |A x - b|_i / (|A| |x| + |b|)_i <= 1e-10
@@ -90,12 +87,12 @@ def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NOTHING) -> 
             failures.append(f"{backend}: {failure}")
             continue
         residual = _residual(A, solve)
-        if residual <= ACCURATE:
+        if residual <= MAX_FACTOR_RESIDUAL:
             factor = Factor(solve, backend, residual, tuple(failures))
             note(factor.summary)
             return factor
         failures.append(
-            f"{backend}: relative residual {residual:.1e}, expected {ACCURATE:g} at most"
+            f"{backend}: relative residual {residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
         )
     raise MethodError(
         f"{name} ({A.shape[0]} unknowns) could not be factorized: {'; '.join(failures)}"
@@ -114,12 +111,12 @@ def _backends() -> Iterator[tuple[str, Callable[[Any, str, Mapping[str, float]],
     yield "superlu", _superlu
 
 
-def _rslab(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
+def _rslab(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve:
     """L D L^T by supernodes, after nested dissection where that pays."""
     import rslab
 
     analysis = rslab.analyze(A, path="ldlt", threads=threads())
-    _require(analysis.memory_plan(nrhs=COLUMNS)["peak_bytes"], A, name, beside)
+    _require(analysis.memory_plan(nrhs=PLANNED_COLUMNS)["peak_bytes"], A, name, beside)
     try:
         factor = analysis.factor(A)
     except RuntimeError as error:
@@ -130,7 +127,7 @@ def _rslab(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
     return lambda b: factor.solve(b) if b.ndim == 1 else factor.solve_many(b)
 
 
-def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
+def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve:
     """L L^T by supernodes. As quick as its BLAS: with the reference one of Debian, eight times
     slower than rslab.
     """
@@ -146,7 +143,7 @@ def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
     return lambda b: factor.solve_A(b)
 
 
-def _superlu(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
+def _superlu(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve:
     """L U after minimum degree, which fills more; both factors are kept, with their indices."""
     from scipy.sparse.linalg import splu
 
@@ -163,7 +160,10 @@ def _superlu(A: Any, name: str, beside: Mapping[str, float] = NOTHING) -> Solve:
 
 
 def _require(size: float, A: Any, name: str, beside: Mapping[str, float]) -> None:
-    require({f"the factorization of {name} ({A.shape[0]} unknowns)": size, **beside}, COARSER)
+    require(
+        {f"the factorization of {name} ({A.shape[0]} unknowns)": size, **beside},
+        COARSER_MESH_ADVICE,
+    )
 
 
 def _not_definite(A: Any, name: str, found: str) -> MeshError:

@@ -1,134 +1,139 @@
-"""Conjugate gradients for many right-hand sides at once: single precision, refined in double."""
+"""Conjugate gradients for vectors of any kind, and the errors that they are stopped by."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from collections.abc import Callable, Iterator
+from copy import copy
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...superelement.validation import Array
 from ..errors import MethodError
-from .loops import WIDTH, Loops, Panel, with_loops
-from .panels import Blocks
+from ..processes import ONE_PROCESS, Processes
 
-WINDOW = 3
+MIN_WINDOW = 3
 """Steps at least, a sixth of all beyond, whose gain of energy tells how fast the error falls."""
-SLOWEST = 0.999
-"""Ratio of the gains of two windows, at most: more says nothing of what is to come."""
-SINGLE = 1e-3
-"""Relative error in energy that single precision reaches, whatever the matrix of a body."""
-MOST = 1000
-"""Steps after which conjugate gradients give up: where a matrix takes more, as that of elements
-1:250 flat, what is left is underestimated.
-"""
-SAFETY = 0.5
-"""Share of the accuracy that is aimed at, for what is left is estimated."""
-REFINEMENTS = 8
-"""Solutions at most, each of what the ones before have left."""
+MAX_GAIN_RATIO = 0.999  # of two windows: a larger one says nothing of what is to come
+NEGLIGIBLE_REMAINDER = 1e-12
+"""R . T R over the first one that is rounding, where a matrix may give a direction no energy."""
+MAX_CG_STEPS = 1000
+"""Where a matrix takes more, as that of elements 1:250 flat, what is left is underestimated."""
+
+Vectors = TypeVar("Vectors", bound=NDArray[Any])
 
 
-class Preconditioner(Protocol):
-    """Z = T R for a panel R, with T symmetric, positive definite, and near to S^-1; R . Z (16,)."""
+class System(Protocol[Vectors]):
+    """S X = B for k vectors side by side, and T near to S^-1; both symmetric, positive definite.
 
-    def __call__(self, R: Panel, Z: Panel, loops: Loops) -> Array: ...
+    Inner products are those of each vector (k,). What a call returns may be overwritten by the
+    next call of the same method.
+    """
+
+    def multiply(self, P: Vectors) -> tuple[Vectors, Array]:
+        """Y = S P, and the inner products P . Y."""
+
+    def precondition(self, R: Vectors) -> tuple[Vectors, Array]:
+        """Z = T R, and the inner products R . Z."""
+
+    def advance(self, alpha: Array, P: Vectors, Y: Vectors, X: Vectors, R: Vectors) -> None:
+        """X += alpha P, R -= alpha Y."""
+
+    def turn(self, beta: Array, Z: Vectors, P: Vectors) -> None:
+        """P = Z + beta P."""
 
 
-@dataclass(eq=False)
-class ConjugateGradients:
-    """x = solve(b) with S x = b for S = K + s M, symmetric and positive definite; b (n_u, k).
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A `System` of the columns of arrays (n, k) in double precision; own rows of each process.
 
-    blocks: S in single precision; product: S X in double. accuracy: of x, relative, in the norm of
-    the energy x^T S x; what b^T S^-1 b is taken for, errs by the square of it. precondition: by the
-    blocks on the diagonal of S, unless another is given. iterations: steps of each solution so far,
-    those of all panels and refinements. `MethodError` if it does not converge.
+    order: in which the product is quickest.
+    """
 
-    The gain of energy of a step, alpha r^T z, is what it takes off the square of the error; the
-    gains of two windows of steps give the rate, and so what is left. Source: M. R. Hestenes, E.
-    Stiefel, J. Res. Nat. Bur. Standards 49 (1952) 409-436; Z. Strakos, P. Tichy, Electron. Trans.
+    product: Callable[[Array], Array]
+    inverse: Callable[[Array], Array]
+    processes: Processes = ONE_PROCESS
+    order: Literal["C", "F"] = "C"
+
+    def multiply(self, P: Array) -> tuple[Array, Array]:
+        Y = self.product(P)
+        return Y, self._dots(P, Y)
+
+    def precondition(self, R: Array) -> tuple[Array, Array]:
+        Z = self.inverse(R)
+        return Z, self._dots(R, Z)
+
+    def advance(self, alpha: Array, P: Array, Y: Array, X: Array, R: Array) -> None:
+        X += alpha * P
+        R -= alpha * Y
+
+    def turn(self, beta: Array, Z: Array, P: Array) -> None:
+        P *= beta
+        P += Z
+
+    def _dots(self, A: Array, B: Array) -> Array:
+        return self.processes.total(np.einsum("ik,ik->k", A, B))
+
+
+class Step(NamedTuple):
+    """A step of conjugate gradients: its length alpha, R . T R before it, and P . S P (k,)."""
+
+    length: Array
+    remaining: Array
+    energies: Array
+
+
+def descend(system: System[Vectors], R: Vectors, X: Vectors) -> Iterator[Step]:
+    """Steps of conjugate gradients without end, which add S^-1 R to X and leave in R the residual.
+
+    Source: M. R. Hestenes, E. Stiefel, J. Res. Nat. Bur. Standards 49 (1952) 409-436.
+    """
+    Z, remaining = system.precondition(R)
+    P = copy(Z)
+    while True:
+        Y, energies = system.multiply(P)
+        length = ratio(remaining, energies)
+        system.advance(length, P, Y, X, R)
+        yield Step(length, remaining, energies)
+        before = remaining
+        Z, remaining = system.precondition(R)
+        system.turn(ratio(remaining, before), Z, P)
+
+
+def ratio(a: Array, b: Array) -> Array:
+    """a / b (k,), zero where nothing is left."""
+    return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(Generic[Vectors]):
+    """X, what each step took off the square of the error in energy, and what is left of it (k,)."""
+
+    X: Vectors
+    gains: list[Array]
+    left: Array
+
+    @property
+    def energy(self) -> Array:
+        """X . S X (k,)."""
+        total: Array = np.sum(self.gains, axis=0)
+        return total
+
+
+def energy_left(gains: list[Array]) -> Array:
+    """The square of the error in energy (k,) that is left, by the rate of the last gains.
+
+    The gains of two windows of steps give the rate. Source: Z. Strakos, P. Tichy, Electron. Trans.
     Numer. Anal. 13 (2002) 56-80.
     """
-
-    name: str
-    blocks: Blocks
-    product: Callable[[Array], Array]
-    accuracy: float
-    precondition: Preconditioner | None = None
-    iterations: list[int] = field(default_factory=list)
-
-    def __call__(self, b: Array) -> Array:
-        B = b.reshape(len(b), -1)
-        X, taken = np.zeros_like(B), 0
-        enough = before = np.zeros(B.shape[1])
-        residual, missed = B, 0.0
-        for turn in range(REFINEMENTS):
-            found = self._in_single(residual, enough)
-            X += found.X
-            taken += found.steps
-            residual = B - self.product(X)
-            # Single precision takes directions for stiffer than they are: x (S~ - S) x.
-            energy_missed = np.abs(np.einsum("ik,ik->k", found.X, residual))
-            missed = max(missed, *_share(energy_missed, found.energy, found.energy > enough))
-            if turn == 0:
-                enough = (SAFETY * self.accuracy) ** 2 * found.energy
-            elif missed < 1.0:
-                # Solutions to come are in geometric progression: by what this one found of what the
-                # one before has left, and along what single precision has missed most, by that.
-                rate = np.sqrt(_share(found.energy, before, before > 0.0))
-                series = np.divide(rate, 1.0 - rate, out=np.full_like(rate, np.inf), where=rate < 1)
-                coming = series**2 * found.energy
-                left = [found.left, coming, missed / (1.0 - missed) * energy_missed]
-                if (np.max(left, axis=0) <= enough).all():
-                    self.iterations.append(taken)
-                    return X.reshape(b.shape)
-            before = found.energy
-        raise given_up(self.name, len(b), f"{REFINEMENTS} solutions in single precision")
-
-    def _in_single(self, B: Array, enough: Array) -> "_Found":
-        """The solution up to an error of `SINGLE`, or a square of it of `enough` (k,)."""
-        sizes = np.abs(B).max(axis=0)
-        unit = np.where(sizes > 0.0, sizes, 1.0)
-        squared = unit**2 / self.blocks.scale
-        goals = _in_panels(enough / squared)
-        panels = zip(self.blocks.panels(B / unit), goals, strict=True)
-        found = with_loops(lambda loops: [self._panel(R, goal, loops) for R, goal in panels])
-        k = B.shape[1]
-        X = self.blocks.vectors([panel.X for panel in found], k) * (unit / self.blocks.scale)
-        energy, left = (
-            np.concatenate([getattr(panel, name) for panel in found])[:k] * squared
-            for name in ("energy", "left")
-        )
-        return _Found(X, energy, left, sum(panel.steps for panel in found))
-
-    def _panel(self, R: Panel, enough: Array, loops: Loops) -> "_Found":
-        """The solution for the vectors of one panel R, which is used up."""
-        S, precondition = self.blocks, self.precondition or self.blocks.solve_diagonal
-        X, Y, Z = np.zeros_like(R), np.empty_like(R), np.empty_like(R)
-        relative = max(SINGLE, SAFETY * self.accuracy) ** 2
-        remaining = first = precondition(R, Z, loops)
-        P = Z.copy()
-        gains: list[Array] = []
-        while len(gains) < MOST:
-            energies = S.multiply(P, Y, loops)
-            if not_positive(energies, remaining, first).any():
-                raise given_up(self.name, S.n_u, "the digits of single precision")
-            step = _ratio(remaining, energies)
-            loops.run("advance", S.n_nodes, step, P, Y, X, R)
-            gains.append(step * remaining)
-            energy, left = np.sum(gains, axis=0), energy_left(gains)
-            if (left <= np.maximum(enough, relative * energy)).all():
-                trusted = np.maximum(left, (SAFETY * SINGLE) ** 2 * energy)
-                return _Found(X, energy, trusted, len(gains))
-            before, remaining = remaining, precondition(R, Z, loops)
-            loops.run("turn", S.n_nodes, _ratio(remaining, before), Z, P)
-        raise given_up(self.name, S.n_u, f"{MOST} steps of conjugate gradients")
-
-
-def not_positive(energies: Array, remaining: Array, first: Array) -> NDArray[np.bool_]:
-    """Which directions a matrix gives no energy P^T S P (k,), though their solutions have not come
-    to rounding yet: it is not positive definite.
-    """
-    return ~(energies > 0.0) & ~(np.abs(remaining) <= SINGLE**4 * np.abs(first))
+    window = max(MIN_WINDOW, len(gains) // 6)
+    if len(gains) < 2 * window:
+        return np.where(gains[-1] > 0.0, np.inf, 0.0)
+    last = np.sum(gains[-window:], axis=0)
+    rate = np.minimum(ratio(last, np.sum(gains[-2 * window : -window], axis=0)), MAX_GAIN_RATIO)
+    left: Array = last * rate / (1.0 - rate)
+    return left
 
 
 class NotConvergedError(MethodError):
@@ -143,40 +148,58 @@ def given_up(name: str, n_u: int, after: str) -> NotConvergedError:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """Solutions, their energies and the squares of their errors in energy (k,), and the steps."""
+@dataclass(frozen=True)
+class Goal:
+    """When solutions are right, and which matrix errors are told of.
 
-    X: Any
-    energy: Array
-    left: Array
-    steps: int
+    relative: the error that is allowed, over the size of the solution, both in energy. left: what
+    tells the square of the error from the gains of all steps.
+    """
 
-
-def _share(a: Array, b: Array, where: NDArray[np.bool_]) -> Array:
-    """a / b (k,), zero elsewhere."""
-    return np.divide(a, b, out=np.zeros_like(a), where=where)
-
-
-def _ratio(a: Array, b: Array) -> Panel:
-    """a / b (16,), zero where nothing is left."""
-    return _share(a, b, b > 0.0).astype(np.float32)
+    name: str
+    n_u: int
+    relative: float
+    max_steps: int = MAX_CG_STEPS
+    left: Callable[[list[Array]], Array] = energy_left
 
 
-def energy_left(gains: list[Array]) -> Array:
-    """The square of the error in energy (k,) that is left, by the rate of the last gains."""
-    window = max(WINDOW, len(gains) // 6)
-    if len(gains) < 2 * window:
-        return np.where(gains[-1] > 0.0, np.inf, 0.0)
-    last = np.sum(gains[-window:], axis=0)
-    one = np.sum(gains[-2 * window : -window], axis=0)
-    rate = np.minimum(np.divide(last, one, out=np.zeros_like(one), where=one > 0.0), SLOWEST)
-    left: Array = last * rate / (1.0 - rate)
-    return left
+def converge(
+    system: System[Vectors], R: Vectors, goal: Goal, enough: Array | float = 0.0
+) -> Solution[Vectors]:
+    """S^-1 R, with R used up. enough (k,): squares of errors in energy that are allowed anyway.
+
+    `NotConvergedError` after too many steps, or where the matrix is not positive definite.
+    """
+    X, steps, gains = np.zeros_like(R), [], []
+    for step in islice(descend(system, R, X), goal.max_steps):
+        steps.append(step)
+        gains.append(step.length * step.remaining)
+        negligible = NEGLIGIBLE_REMAINDER * np.abs(steps[0].remaining)
+        if (~(step.energies > 0.0) & ~(np.abs(step.remaining) <= negligible)).any():
+            digits = "single" if R.dtype == np.float32 else "double"
+            raise given_up(goal.name, goal.n_u, f"the digits of {digits} precision")
+        left = goal.left(gains)
+        if (left <= np.maximum(enough, goal.relative**2 * np.sum(gains, axis=0))).all():
+            return Solution(X, gains, left)
+    raise given_up(goal.name, goal.n_u, f"{goal.max_steps} steps of conjugate gradients")
 
 
-def _in_panels(values: Array) -> Array:
-    """Numbers (k,) of vectors by panel (n, 16), zeros behind the last."""
-    found = np.zeros(-(-len(values) // WIDTH) * WIDTH)
-    found[: len(values)] = values
-    return found.reshape(-1, WIDTH)
+class ColumnGradients:
+    """x = solve(b) with S x = b for b (n,) or (n, k), all columns at once; each process its rows.
+
+    Of each solution so far, iterations: its steps; first_errors: the largest error that the first
+    of them has left, relative in energy. `NotConvergedError` if it does not converge.
+    """
+
+    def __init__(self, system: Columns, goal: Goal) -> None:
+        self._system, self._goal = system, goal
+        self.iterations: list[int] = []
+        self.first_errors: list[float] = []
+
+    def __call__(self, b: Array) -> Array:
+        R = np.array(b.reshape(len(b), -1), order=self._system.order)
+        found = converge(self._system, R, self._goal)
+        left = ratio(found.energy - found.gains[0], found.energy)
+        self.iterations.append(len(found.gains))
+        self.first_errors.append(float(np.sqrt(left).max()))
+        return found.X.reshape(b.shape)

@@ -4,12 +4,11 @@ numba compiles them when they are first needed, in some seconds.
 """
 
 # mypy: allow-untyped-defs
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,19 +16,16 @@ from numpy.typing import NDArray
 from ...superelement.validation import Array
 from ..threads import threads
 
-WIDTH = 16
-"""vectors of a panel: of single precision, a register of AVX-512 or two of AVX2"""
-PIECES = 4
-"""pieces of work for each thread, for they take unequal times"""
+PANEL_WIDTH = 16  # vectors of a panel: of single precision, a register of AVX-512 or two of AVX2
+PIECES_PER_THREAD = 4  # of work, for they take unequal times
 Panel = NDArray[np.float32]
-Made = TypeVar("Made")
 
 
 class Loops:
-    """The compiled loops of `compiled_loops`, each of them run in pieces by a pool of threads."""
+    """The loops of `compiled_loops`, each of them run in pieces by a pool of threads."""
 
-    def __init__(self, pool: ThreadPoolExecutor) -> None:
-        self._pool, self._compiled = pool, compiled_loops()
+    def __init__(self) -> None:
+        self._compiled, self._pool = compiled_loops(), ThreadPoolExecutor(threads())
 
     def run(self, name: str, n_nodes: int, *arguments: Any) -> None:
         """All nodes, one after the other or at once."""
@@ -39,24 +35,14 @@ class Loops:
     def sum(self, name: str, n_nodes: int, *arguments: Any) -> Array:
         """The same; what the loop adds up for each vector (16,)."""
         loop, pieces = getattr(self._compiled, name), _pieces(n_nodes)
-        sums = np.zeros((len(pieces), WIDTH))
-        list(
-            self._pool.map(
-                lambda job: loop(*arguments, job[0], *job[1]), zip(sums, pieces, strict=True)
-            )
-        )
+        sums = np.zeros((len(pieces), PANEL_WIDTH))
+        list(self._pool.map(lambda total, piece: loop(*arguments, total, *piece), sums, pieces))
         total: Array = sums.sum(axis=0)
         return total
 
 
-def with_loops(work: Callable[[Loops], Made]) -> Made:
-    """What is made by work with loops on threads of its own."""
-    with ThreadPoolExecutor(threads()) as pool:
-        return work(Loops(pool))
-
-
 def _pieces(n_nodes: int) -> list[tuple[int, int]]:
-    edges = np.linspace(0, n_nodes, PIECES * threads() + 1).astype(int).tolist()
+    edges = np.linspace(0, n_nodes, PIECES_PER_THREAD * threads() + 1).astype(int).tolist()
     return list(pairwise(edges))
 
 
@@ -84,7 +70,7 @@ def compiled_loops() -> SimpleNamespace:
             a0, a1, a2 = a[0], a[1], a[2]
             a3, a4, a5 = a[3], a[4], a[5]
             a6, a7, a8 = a[6], a[7], a[8]
-            for c in range(WIDTH):
+            for c in range(PANEL_WIDTH):
                 x0, x1, x2 = X[j, 0, c], X[j, 1, c], X[j, 2, c]
                 y[0, c] += a0 * x0 + a1 * x1 + a2 * x2
                 y[1, c] += a3 * x0 + a4 * x1 + a5 * x2
@@ -92,37 +78,37 @@ def compiled_loops() -> SimpleNamespace:
 
     @compiled
     def multiply(first, columns, blocks, P, Y, dots, start, stop):
-        y = np.empty((3, WIDTH), dtype=np.float32)
+        y = np.empty((3, PANEL_WIDTH), dtype=np.float32)
         for i in range(start, stop):
             row(first, columns, blocks, P, i, y)
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     Y[i, r, c] = y[r, c]
                     dots[c] += np.float64(y[r, c]) * np.float64(P[i, r, c])
 
     @compiled
     def subtract(first, columns, blocks, X, R, T, start, stop):
-        y = np.empty((3, WIDTH), dtype=np.float32)
+        y = np.empty((3, PANEL_WIDTH), dtype=np.float32)
         for i in range(start, stop):
             row(first, columns, blocks, X, i, y)
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     T[i, r, c] = R[i, r, c] - y[r, c]
 
     @compiled
     def gather(first, columns, blocks, X, Y, start, stop):
-        y = np.empty((3, WIDTH), dtype=np.float32)
+        y = np.empty((3, PANEL_WIDTH), dtype=np.float32)
         for i in range(start, stop):
             row(first, columns, blocks, X, i, y)
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     Y[i, r, c] += y[r, c]
 
     @compiled
     def diagonal(D, R, Z, dots, start, stop):
         for i in range(start, stop):
             d = D[i]
-            for c in range(WIDTH):
+            for c in range(PANEL_WIDTH):
                 r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
                 z0 = d[0] * r0 + d[1] * r1 + d[2] * r2
                 z1 = d[3] * r0 + d[4] * r1 + d[5] * r2
@@ -134,7 +120,7 @@ def compiled_loops() -> SimpleNamespace:
     def relax(weight, D, R, X, start, stop):
         for i in range(start, stop):
             d = D[i]
-            for c in range(WIDTH):
+            for c in range(PANEL_WIDTH):
                 r0, r1, r2 = R[i, 0, c], R[i, 1, c], R[i, 2, c]
                 X[i, 0, c] += weight * (d[0] * r0 + d[1] * r1 + d[2] * r2)
                 X[i, 1, c] += weight * (d[3] * r0 + d[4] * r1 + d[5] * r2)
@@ -144,14 +130,14 @@ def compiled_loops() -> SimpleNamespace:
     def dots(R, Z, dots, start, stop):
         for i in range(start, stop):
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     dots[c] += np.float64(R[i, r, c]) * np.float64(Z[i, r, c])
 
     @compiled
     def advance(alpha, P, Y, X, R, start, stop):
         for i in range(start, stop):
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     X[i, r, c] += alpha[c] * P[i, r, c]
                     R[i, r, c] -= alpha[c] * Y[i, r, c]
 
@@ -159,7 +145,7 @@ def compiled_loops() -> SimpleNamespace:
     def turn(beta, Z, P, start, stop):
         for i in range(start, stop):
             for r in range(3):
-                for c in range(WIDTH):
+                for c in range(PANEL_WIDTH):
                     P[i, r, c] = Z[i, r, c] + beta[c] * P[i, r, c]
 
     return SimpleNamespace(

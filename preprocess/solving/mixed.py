@@ -2,85 +2,59 @@
 time of a factor in double precision.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...superelement.validation import Array
 from ..threads import threads
-from .gradients import given_up
+from .factor import Solve
+from .gradients import ColumnGradients, Columns, Goal, ratio
 
-MOST_STEPS = 12
-"""Steps after which the factor is no preconditioner: two or three are taken by bodies of solids."""
-SAFETY = 0.1
-"""Share of the accuracy that is aimed at, for what is left is estimated."""
-COLUMNS = 16
-"""Solutions have multiples of so many columns, the last filled with zeros: rslab takes a fifth less
-time for 16 than for 12.
-"""
-BYTES = 0.5
-"""Of a factor in double precision."""
-SECONDS = 0.55
-"""Of a factor in double precision, with solutions of two steps."""
+MAX_MIXED_STEPS = 12
+"""Beyond, the factor is no preconditioner: two or three are taken by bodies of solids."""
+MIXED_SHARE_OF_ACCURACY = 0.1  # what is aimed at, for what is left is estimated
+COLUMN_MULTIPLE = 16
+"""Of solutions, the last filled with zeros: rslab takes a fifth less time for 16 than for 12."""
+MIXED_BYTES_RATIO = 0.5  # to a factor in double precision
+MIXED_SECONDS_RATIO = 0.55  # to a factor in double precision, with solutions of two steps
 
 
-class MixedFactor:
+class MixedFactor(ColumnGradients):
     """x = solve(b) with S x = b for b (n_u, k), relative in energy to `accuracy`.
 
-    factor: solves with S~, which is S as single precision has it. The error falls by some four
-    digits a step, eps times the square root of the condition: the gain of energy of a step is the
-    square of the error before it, and two of them give the rate, of which half the digits count:
-    the first steps gain most. `NotConvergedError` where it does not fall.
+    factor: solves with S~, which is S as single precision has it.
     """
 
-    def __init__(
-        self,
-        name: str,
-        product: Callable[[Array], Array],
-        factor: Callable[[Array], Array],
-        accuracy: float,
-    ) -> None:
-        self._name, self._product, self._factor = name, product, factor
-        self._enough = (SAFETY * accuracy) ** 2
-        self._errors: list[float] = []
+    def __init__(self, name: str, n_u: int, product: Solve, factor: Solve, accuracy: float) -> None:
+        relative = MIXED_SHARE_OF_ACCURACY * accuracy
+        goal = Goal(name, n_u, relative, MAX_MIXED_STEPS, _energy_left)
+        super().__init__(Columns(product, factor), goal)
 
     @property
     def first_error(self) -> float:
         """The largest error that a first step has left, relative in energy."""
-        return max(self._errors, default=np.inf)
+        return max(self.first_errors, default=np.inf)
 
     def once(self, b: Array) -> Array:
         """S~^-1 b, half the work of a solution: right to about `first_error`."""
-        return self._factor(b)
-
-    def __call__(self, b: Array) -> Array:
-        R = b.reshape(len(b), -1).copy()
-        X, energy = np.zeros_like(R), np.zeros(R.shape[1])
-        Z = self._factor(R)
-        P, remaining = Z, _dots(R, Z)
-        gain_before = np.full(R.shape[1], np.inf)
-        first = np.zeros(R.shape[1])
-        for number in range(MOST_STEPS):
-            SP = self._product(P)
-            step = _over(remaining, _dots(P, SP))
-            X += step * P
-            gain = step * remaining
-            energy += gain
-            if number == 0:
-                first = gain
-            left = gain * np.sqrt(_over(gain, gain_before))
-            if number > 0 and (left <= self._enough * energy).all():
-                self._errors.append(float(np.sqrt(_over(energy - first, energy)).max()))
-                return X.reshape(b.shape)
-            R -= step * SP
-            Z = self._factor(R)
-            before, remaining, gain_before = remaining, _dots(R, Z), gain
-            P = Z + _over(remaining, before) * P
-        raise given_up(self._name, len(b), f"{MOST_STEPS} steps with a factor in single precision")
+        return self._system.inverse(b)
 
 
-def single_factor(S: Any) -> Callable[[Array], Array] | None:
+def _energy_left(gains: list[Array]) -> Array:
+    """The square of the error in energy (k,) that is left.
+
+    The error falls by some four digits a step, eps times the square root of the condition: the gain
+    of energy of a step is the square of the error before it, and two of them give the rate, of
+    which half the digits count: the first steps gain most.
+    """
+    if len(gains) < 2:
+        return np.full_like(gains[0], np.inf)
+    left: Array = gains[-1] * np.sqrt(ratio(gains[-1], gains[-2]))
+    return left
+
+
+def single_factor(S: Any) -> Solve | None:
     """Solutions with a sparse symmetric matrix as single precision has it, by rslab; None where
     that is not positive definite.
     """
@@ -101,20 +75,10 @@ def single_factor(S: Any) -> Callable[[Array], Array] | None:
         sizes = np.linalg.norm(R, axis=0)
         unit = np.where(sizes > 0.0, sizes, 1.0)
         n, k = R.shape
-        filled = np.zeros((n, -(-k // COLUMNS) * COLUMNS), dtype=np.float32)
+        filled = np.zeros((n, -(-k // COLUMN_MULTIPLE) * COLUMN_MULTIPLE), dtype=np.float32)
         np.divide(R, unit, out=filled[:, :k], casting="same_kind")
         found: Array = factor.solve_many(filled)[:, :k].astype(np.float64)
         found *= unit / scale
         return found
 
     return solve
-
-
-def _dots(A: Array, B: Array) -> Array:
-    products: Array = np.einsum("ik,ik->k", A, B)
-    return products
-
-
-def _over(a: Array, b: Array) -> Array:
-    """a / b (k,), zero where there is nothing left."""
-    return np.divide(a, b, out=np.zeros_like(a), where=b > 0.0)

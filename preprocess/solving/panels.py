@@ -5,6 +5,7 @@ The unknowns are taken three by three, a node each, and vectors sixteen by sixte
 serves all of them in vector registers.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +15,9 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
-from .loops import WIDTH, Loops, Panel
+from .loops import PANEL_WIDTH, Loops, Panel
 
-ROWS = 2**13
-"""nodes whose rows are put into blocks at once"""
+NODES_AT_ONCE = 2**13  # whose rows are put into blocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,18 +42,11 @@ class Blocks:
     columns: IntArray
     blocks: Panel
     inverses: Panel
+    loops: Loops
 
     @property
     def n_nodes(self) -> int:
         return len(self.first) - 1
-
-    def multiply(self, P: Panel, Y: Panel, loops: Loops) -> Array:
-        """Y = S P / scale; the products P . Y (16,)."""
-        return loops.sum("multiply", self.n_nodes, self.first, self.columns, self.blocks, P, Y)
-
-    def solve_diagonal(self, R: Panel, Z: Panel, loops: Loops) -> Array:
-        """Z = D^-1 R with the blocks D on the diagonal of S / scale; the products R . Z (16,)."""
-        return loops.sum("diagonal", self.n_nodes, self.inverses, R, Z)
 
     def ordered(self, B: Array) -> Array:
         """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, k), zeros for fillers."""
@@ -65,21 +58,48 @@ class Blocks:
     def panels(self, B: Array) -> list[Panel]:
         """The columns of B (n_u, k) in panels, zeros behind the last."""
         found = []
-        for start in range(0, B.shape[1], WIDTH):
-            part = B[:, start : start + WIDTH]
-            panel = np.zeros((3 * self.n_nodes, WIDTH), dtype=np.float32)
+        for start in range(0, B.shape[1], PANEL_WIDTH):
+            part = B[:, start : start + PANEL_WIDTH]
+            panel = np.zeros((3 * self.n_nodes, PANEL_WIDTH), dtype=np.float32)
             real = self.order < self.n_u
             panel[real, : part.shape[1]] = part[self.order[real]]
-            found.append(panel.reshape(-1, 3, WIDTH))
+            found.append(panel.reshape(-1, 3, PANEL_WIDTH))
         return found
 
     def vectors(self, panels: list[Panel], k: int) -> Array:
         """The columns (n_u, k) of panels."""
         X = np.empty((3 * self.n_nodes, k))
         for number, panel in enumerate(panels):
-            part = X[:, WIDTH * number : WIDTH * (number + 1)]
-            part[self.order] = panel.reshape(-1, WIDTH)[:, : part.shape[1]]
+            part = X[:, PANEL_WIDTH * number : PANEL_WIDTH * (number + 1)]
+            part[self.order] = panel.reshape(-1, PANEL_WIDTH)[:, : part.shape[1]]
         return X[: self.n_u]
+
+
+class PanelSystem:
+    """A `System` of panels, for S / scale. cycle(R, Z): Z = T R by multigrid, if there is one; else
+    T are the inverse blocks on the diagonal.
+    """
+
+    def __init__(self, S: Blocks, cycle: Callable[[Panel, Panel], None] | None = None) -> None:
+        self._S, self._cycle, self._run, self._sum = S, cycle, S.loops.run, S.loops.sum
+        self._Y, self._Z = np.empty((2, S.n_nodes, 3, PANEL_WIDTH), dtype=np.float32)
+
+    def multiply(self, P: Panel) -> tuple[Panel, Array]:
+        S, Y = self._S, self._Y
+        return Y, self._sum("multiply", S.n_nodes, S.first, S.columns, S.blocks, P, Y)
+
+    def precondition(self, R: Panel) -> tuple[Panel, Array]:
+        S, Z = self._S, self._Z
+        if self._cycle is None:
+            return Z, self._sum("diagonal", S.n_nodes, S.inverses, R, Z)
+        self._cycle(R, Z)
+        return Z, self._sum("dots", S.n_nodes, R, Z)
+
+    def advance(self, alpha: Array, P: Panel, Y: Panel, X: Panel, R: Panel) -> None:
+        self._run("advance", self._S.n_nodes, alpha.astype(np.float32), P, Y, X, R)
+
+    def turn(self, beta: Array, Z: Panel, P: Panel) -> None:
+        self._run("turn", self._S.n_nodes, beta.astype(np.float32), Z, P)
 
 
 def in_blocks(K: Any, M: Any, shift: float) -> Blocks:
@@ -93,13 +113,13 @@ def in_blocks(K: Any, M: Any, shift: float) -> Blocks:
     place = np.empty(len(nodes), dtype=np.int64)
     place[nodes] = np.arange(len(nodes))
     parts = []
-    for start in range(0, len(nodes), ROWS):
-        part = order[3 * start : 3 * (start + ROWS)]
+    for start in range(0, len(nodes), NODES_AT_ONCE):
+        part = order[3 * start : 3 * (start + NODES_AT_ONCE)]
         parts.append(_blocks((K[part] + shift * M[part]) / scale, place))
     counts, columns, blocks = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     first = np.concatenate([[0], np.cumsum(counts)])
     inverses = diagonal_inverses(first, columns, blocks)
-    return Blocks(n_u, scale, order, first, columns, blocks, inverses)
+    return Blocks(n_u, scale, order, first, columns, blocks, inverses, Loops())
 
 
 def diagonal_inverses(first: IntArray, columns: IntArray, blocks: Panel) -> Panel:

@@ -10,32 +10,38 @@ import numpy as np
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import Solver as Kind
+from ..body.body import SolverName
 from ..memory import require
-from .cost import BLOCKS, FEW, Cost, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from .factor import COARSER, Solve, factorize, note
-from .gradients import ConjugateGradients, NotConvergedError, given_up
-from .loops import with_loops
-from .mixed import BYTES, SECONDS, MixedFactor, single_factor
-from .multigrid import Multigrid
+from .aggregates import panel_multigrid
+from .cost import (
+    EXPECTED_BLOCKS,
+    MAX_PLAIN_STEPS,
+    Cost,
+    basis_bytes,
+    factor_cost,
+    gradient_cost,
+    gradient_steps,
+)
+from .factor import COARSER_MESH_ADVICE, Solve, factorize, note
+from .gradients import NotConvergedError, given_up
+from .mixed import MIXED_BYTES_RATIO, MIXED_SECONDS_RATIO, MixedFactor, single_factor
 from .panels import in_blocks
+from .refined import RefinedGradients
 
-Solver = Callable[[Structure, float, str, float, int], Solve]
+SolverFactory = Callable[[Structure, float, str, float, int], Solve]
 """x = S^-1 b for S = K + s M, from a structure, s, what errors call S, the accuracy of x, and the
 number of blocks to expect
 """
-COMPACT = 0.5
-"""Share that most bodies take of what a factor costs by its formula, which is that of a cube."""
-MIXED = 150_000
+COMPACT_SHARE = 0.5  # of a factor's by its formula, which is that of a cube
+MIN_MIXED_UNKNOWNS = 150_000
 """Unknowns from which on a factor is one in single precision, unless the body file asks for one."""
-ROUGH = 1e-3
+MAX_QUICK_ERROR = 1e-3
 """Error, relative in energy, of solutions that a space may be made of and corrected afterwards."""
-LARGEST = 3.0
-"""The largest eigenvalue of D^-1 S, about."""
+JACOBI_EIGENVALUE = 3.0  # the largest of D^-1 S, about
 
 
-def solver_of(kind: Kind) -> Solver:
-    """The solver that a body file names, or for "auto" the one that costs less."""
+def solver_of(kind: SolverName) -> SolverFactory:
+    """What makes solutions as a body file names it, or for "auto" what costs less."""
     match kind:
         case "factor":
             return factorized
@@ -46,56 +52,58 @@ def solver_of(kind: Kind) -> Solver:
 
 
 def factorized(
-    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Solve:
     """By a factor, which is more accurate than is asked for."""
     return factorize(structure.K + shift * structure.M, name, _basis(structure))
 
 
 def mixed(
-    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Solve:
     """By a factor in single precision and conjugate gradients, or by one in double where the matrix
     asks too much of that.
     """
     K, M = structure.K, structure.M
     factor = partial(factorized, structure, shift, name, accuracy)
-    needed = BYTES * factor_cost(structure.n_u, K.nnz, structure.P_C.shape[0]).bytes
-    require({f"the factor of {name} ({structure.n_u} unknowns)": needed}, COARSER)
+    needed = MIXED_BYTES_RATIO * factor_cost(structure.n_u, K.nnz, structure.P_C.shape[0]).bytes
+    require({f"the factor of {name} ({structure.n_u} unknowns)": needed}, COARSER_MESH_ADVICE)
     single = single_factor(K + shift * M)
     if single is None:
         return factor()
     note("rslab in single precision, refined")
-    return Patient(MixedFactor(name, partial(_product, K, M, shift), single, accuracy), factor)
+    product = partial(shifted_product, K, M, shift)
+    return Patient(MixedFactor(name, structure.n_u, product, single, accuracy), factor)
 
 
 def iterated(
-    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Solve:
     """By conjugate gradients, with multigrid where they would take many steps without."""
     K, M = structure.K, structure.M
     what = f"solving with {name} ({structure.n_u} unknowns) without a factor"
-    require({what: costs(structure, shift, accuracy).iterative.bytes}, COARSER)
-    panels = in_blocks(K, M, shift)
-    precondition = None
-    if gradient_steps(condition(structure, shift), accuracy) > FEW:
+    require({what: costs(structure, shift, accuracy).iterative.bytes}, COARSER_MESH_ADVICE)
+    single = in_blocks(K, M, shift)
+    multigrid = None
+    if gradient_steps(condition(structure, shift), accuracy) > MAX_PLAIN_STEPS:
         try:
-            precondition = with_loops(partial(Multigrid, panels, structure.U))
+            multigrid = panel_multigrid(single, structure.U)
         except np.linalg.LinAlgError as error:
             raise given_up(name, structure.n_u, "the digits of single precision") from error
-    note("conjugate gradients" + (" with multigrid" if precondition else ""))
-    return ConjugateGradients(name, panels, partial(_product, K, M, shift), accuracy, precondition)
+    note("conjugate gradients" + (" with multigrid" if multigrid else ""))
+    product = partial(shifted_product, K, M, shift)
+    return RefinedGradients(name, single, product, accuracy, multigrid)
 
 
 def cheaper(
-    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = BLOCKS
+    structure: Structure, shift: float, name: str, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Solve:
     """By whichever takes less time, among those that memory has room for.
 
     By a factor, too, once gradients do not converge and it has room.
     """
     both = costs(structure, shift, accuracy, blocks)
-    by_factor = factorized if structure.n_u < MIXED else mixed
+    by_factor = factorized if structure.n_u < MIN_MIXED_UNKNOWNS else mixed
     factor = partial(by_factor, structure, shift, name, accuracy)
     if both.cheaper == "factor":
         return factor()
@@ -123,11 +131,15 @@ class Patient:
 
     @property
     def quick(self) -> Solve | None:
-        """Solutions at half the work, right to `ROUGH`; None where there are no such."""
+        """Solutions at half the work, right to `MAX_QUICK_ERROR`; None where there are no such."""
         solve = self._solve
         if isinstance(solve, Patient):
             return solve.quick
-        return solve.once if isinstance(solve, MixedFactor) and solve.first_error <= ROUGH else None
+        return (
+            solve.once
+            if isinstance(solve, MixedFactor) and solve.first_error <= MAX_QUICK_ERROR
+            else None
+        )
 
 
 @dataclass(frozen=True)
@@ -151,18 +163,20 @@ class Costs:
     @property
     def cheaper(self) -> Literal["factor", "iterative"]:
         """Whichever takes less time, among those that there is room for."""
-        quick = COMPACT * self.factor.seconds <= self.iterative.seconds
+        quick = COMPACT_SHARE * self.factor.seconds <= self.iterative.seconds
         if not self.factor_fits:
             return "iterative"
         return "factor" if quick or self.iterative.bytes > self.room else "iterative"
 
 
-def costs(structure: Structure, shift: float, accuracy: float, blocks: int = BLOCKS) -> Costs:
+def costs(
+    structure: Structure, shift: float, accuracy: float, blocks: int = EXPECTED_BLOCKS
+) -> Costs:
     """The costs for a structure; the room is what memory has left beside the basis."""
     sizes = structure.n_u, structure.K.nnz, structure.P_C.shape[0]
     factor = factor_cost(*sizes, blocks)
-    if structure.n_u >= MIXED:
-        factor = Cost(SECONDS * factor.seconds, BYTES * factor.bytes)
+    if structure.n_u >= MIN_MIXED_UNKNOWNS:
+        factor = Cost(MIXED_SECONDS_RATIO * factor.seconds, MIXED_BYTES_RATIO * factor.bytes)
     return Costs(
         factor,
         gradient_cost(*sizes, condition(structure, shift), accuracy, blocks),
@@ -182,11 +196,11 @@ def condition(structure: Structure, shift: float) -> float:
     D = structure.K.diagonal() + shift * structure.M.diagonal()
     weight = structure.total(structure.U.T @ (D[:, None] * structure.U))
     largest = structure.processes.agreed(lambda: float(np.linalg.eigvalsh(weight)[-1]))
-    return LARGEST * largest / shift
+    return JACOBI_EIGENVALUE * largest / shift
 
 
-def _product(K: Any, M: Any, shift: float, X: Array) -> Array:
-    """S X in double precision."""
+def shifted_product(K: Any, M: Any, shift: float, X: Array) -> Array:
+    """S X with S = K + s M, in double precision."""
     found: Array = K @ X + shift * (M @ X)
     return found
 

@@ -9,8 +9,7 @@ from ...superelement.validation import Array
 from ..body.sensors import SensorPoint
 from ..errors import BodyError
 
-SHORTEST = 1e-6
-"""gauge over the size of the mesh"""
+MIN_GAUGE_LENGTH = 1e-6  # over the size of the mesh
 
 
 def unit_vector(direction: Any) -> Array:
@@ -28,8 +27,10 @@ def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, s
     length that is lost in the rounding of places.
     """
     d, length = unit_vector(sensor.direction), float(sensor.length or 0.0)
-    if length < SHORTEST * size:
-        raise BodyError(f"length: expected at least {SHORTEST * size:.3g} m, found {length:.3g}")
+    if length < MIN_GAUGE_LENGTH * size:
+        raise BodyError(
+            f"length: expected at least {MIN_GAUGE_LENGTH * size:.3g} m, found {length:.3g}"
+        )
     middle = np.array(sensor.point)
     first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
     return _row(d / length) @ (second - first)

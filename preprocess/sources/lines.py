@@ -28,10 +28,8 @@ from ..mesh.nodes import Nodes, node_dofs
 from .assignment import Assignment, assign
 from .gauge import stretch_rows, unit_vector
 
-LISTED = 4
-"""Nodes that a message lists."""
-NEEDED = 4
-"""Nodes in a wavelength: waves run too fast by sqrt(10) / pi - 1, 1 per cent."""
+MAX_LISTED_NODES = 4
+NODES_PER_WAVE = 4  # nodes in a wavelength: waves run too fast by sqrt(10) / pi - 1, 1 per cent
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +88,10 @@ class LineSource:
             raise InterfaceError("kind and at belong to facets, of which a mesh of lines has none")
         members = mesh_nodes(selection, mesh)
         if len(members) != 1:
-            listed = [f"{node} at {mesh.points[node].tolist()}" for node in members[:LISTED]]
-            more = ", ..." if len(members) > LISTED else ""
+            listed = [
+                f"{node} at {mesh.points[node].tolist()}" for node in members[:MAX_LISTED_NODES]
+            ]
+            more = ", ..." if len(members) > MAX_LISTED_NODES else ""
             raise InterfaceError(
                 f"expected one node of the lines, found {len(members)} in {selection}: "
                 f"points {', '.join(listed)}{more}"
@@ -140,7 +140,7 @@ class LineSource:
 
     def resolution(self, frequency: float) -> Resolution:
         shortest = min(section.shortest_wave(frequency) for section in self.sections.values)
-        return Resolution(shortest, float(lengths(self.mesh).max()), NEEDED)
+        return Resolution(shortest, float(lengths(self.mesh).max()), NODES_PER_WAVE)
 
     def bending_excess(self) -> float:
         """Lines hold pure bending exactly."""

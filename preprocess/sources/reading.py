@@ -7,7 +7,9 @@ from ..body.body import Body
 from ..body.loss import relaxed, stiffenings
 from ..errors import BodyError
 from ..given.matrices import read_matrices
-from ..mesh.cells import LINES
+from ..mesh.cells import LINE_CELLS
+from ..mesh.mesh import Mesh
+from ..mesh.quadratic import quadratic
 from ..mesh.reading import files_of as mesh_files
 from ..mesh.reading import read_mesh
 from .given import GivenSource
@@ -26,7 +28,7 @@ def read_source(body: Body) -> Source:
 
 def files_of(body: Body) -> tuple[Path, ...]:
     """All files that a body is read from, with those that they name; `MeshError` as `read_mesh`."""
-    if body.mesh is not None:
+    if isinstance(body.mesh, Path):
         return tuple(mesh_files(body.mesh))
     if body.matrices is None:
         return ()
@@ -38,8 +40,10 @@ def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
-    mesh = read_mesh(body.mesh, body.scale)
-    if mesh.body_types == LINES:
+    mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
+    if body.order == 2:
+        mesh = quadratic(mesh)
+    if mesh.body_types == LINE_CELLS:
         return LineSource(mesh, body)
     from .solids import SolidSource
 

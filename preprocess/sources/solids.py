@@ -21,7 +21,7 @@ from ..assembly.source import FieldPoints, Resolution, Share
 from ..assembly.surface import surface
 from ..body.body import Body
 from ..body.loads import LoadPattern
-from ..body.material import STRESSES, Material
+from ..body.material import STRESS_ORDER, Material
 from ..body.selection import InterfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.bending import bending_excess
@@ -32,7 +32,7 @@ from ..elements.solid_force import pressure_forces, traction_forces, volume_forc
 from ..elements.solid_second import SolidTensors
 from ..elements.strain import strain_rows
 from ..errors import BodyError
-from ..mesh.cells import FACETS
+from ..mesh.cells import FACET_TYPES
 from ..mesh.connectivity import check_connected, check_no_mechanism
 from ..mesh.facets import Facets, facets_of
 from ..mesh.mesh import IntArray, Mesh
@@ -174,7 +174,7 @@ class SolidSource:
         if sensor.kind == "stress":
             return sp.csr_array(material.elasticity) @ strains, point
         d = unit_vector(sensor.direction)
-        i, j = np.array(STRESSES).T
+        i, j = np.array(STRESS_ORDER).T
         return sp.csr_array((d[i] * d[j])[None]) @ strains, point
 
     def check_fields(self, stress: bool) -> None:
@@ -198,9 +198,9 @@ class SolidSource:
         shortest = min(material.shortest_wave(frequency) for material in self.materials.values)
         spacing, quadratic = 0.0, False
         for kind, nodes in self.facets.nodes.items():
-            corners = self.mesh.points[nodes[:, : FACETS[kind].corners]]
+            corners = self.mesh.points[nodes[:, : FACET_TYPES[kind].corners]]
             edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
-            quadratic = nodes.shape[1] > FACETS[kind].corners
+            quadratic = nodes.shape[1] > FACET_TYPES[kind].corners
             spacing = max(spacing, float(edge) / (2 if quadratic else 1))
         return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
 
@@ -220,7 +220,7 @@ class SolidSource:
         for kind, first in self.facets.first.items():
             nodes = self.facets.nodes[kind]
             rows = np.flatnonzero(self.facets.boundary[first:][: len(nodes)])
-            rim = _rim(FACETS[kind].corners, nodes.shape[1])
+            rim = _rim(FACET_TYPES[kind].corners, nodes.shape[1])
             yield self.mesh.points[nodes[rows][:, rim]], first + rows
 
 

@@ -10,9 +10,11 @@ import numpy as np
 
 from ...files.memory import gigabytes, shortage
 from ...superelement.validation import Array
+from ..contents import attributes_of
 from ..errors import ExportError
+from ..motion import EVENTS, OWNERS
+from ..quantity import Quantity
 from ..results import Results
-from ..schema import OWNERS, Quantity, attributes_of
 from .folder import distinct, exported
 
 MOST = (1 << 31) - 1
@@ -129,10 +131,11 @@ def _owned(results: Results, rows: slice) -> Struct:
 def _owner(results: Results, group: str, owner: str, variables: dict[str, Array]) -> Struct:
     """The attributes of an owner, those of one name joined along the last axis."""
     joined: dict[str, list[Array]] = {}
-    for attribute, quantity, entries in attributes_of(results.contents.axes, group, owner):
-        if quantity.name in variables:
-            array = variables[quantity.name][:, entries]
-            joined.setdefault(attribute, []).append(_column(array))
+    contents = results.contents
+    found = attributes_of(contents.quantities, contents.axes, group, owner)
+    for attribute, quantity, entries in found:
+        array = variables[quantity.name][:, entries]
+        joined.setdefault(attribute, []).append(_column(array))
     arrays = {attribute: np.hstack(parts) for attribute, parts in joined.items()}
     units = {attribute: results.unit(group, owner, attribute) for attribute in arrays}
     return _struct({"name": owner, **arrays}, units)
@@ -149,7 +152,7 @@ def _events(results: Results) -> Struct:
     events = results.events
     structs = []
     for owner, of_owner in events.items():
-        arrays = {name: _column(values) for name, values in vars(of_owner).items()}
+        arrays = {one.attribute: _column(getattr(of_owner, one.attribute)) for one in EVENTS}
         units = {name: results.unit("events", owner, name) for name in arrays}
         structs.append(_struct({"name": owner, **arrays}, units))
     return dict(zip(identifiers(events), structs, strict=True))

@@ -1,5 +1,6 @@
 """Bodies, frames and contacts as they move, as VTKHDF files for ParaView."""
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -77,8 +78,9 @@ def _write_bodies(
             t = times[rows]
             motions = _motions(results, steps[rows], t, magnification)
             positions, u, v = (np.concatenate(each, axis=1) for each in zip(*motions, strict=True))
-            fields = {"displacement": u, "velocity": v}
-            fields |= known.at(t)
+            fields = {"displacement": u, "velocity": v, **known.at(t)}
+            for name, values in _recorded(results, "bodies", steps[rows]).items():
+                fields[name] = np.repeat(values, [part.points for part in parts], axis=1)
             grid.put(positions, fields)
 
 
@@ -165,17 +167,34 @@ def _write_points(results: Results, path: Path, steps: NDArray[np.int64]) -> Non
 
 def _side_by_side(parts: Sequence[Fields]) -> tuple[Array, Fields]:
     """Positions and fields of frames and contacts (k, p, 3), one behind the other."""
-    joined = {key: np.concatenate([part[key] for part in parts], axis=1) for key in parts[0]}
+    joined = {}
+    for key, of_first in parts[0].items():
+        unknown = [
+            np.full((*part["position"].shape[:2], *of_first.shape[2:]), np.nan) for part in parts
+        ]
+        found = [part.get(key, none) for part, none in zip(parts, unknown, strict=True)]
+        joined[key] = np.concatenate(found, axis=1)
     return joined.pop("position"), joined
+
+
+def _recorded(results: Results, group: str, steps: NDArray[np.int64]) -> Fields:
+    """The fields that records of a group ask for (k, owners, ...), by attribute."""
+    contents = results.contents
+    return {
+        one.name.partition("_")[2]: _at(
+            results, one.name, steps, math.prod(one.shape(contents.axes))
+        )
+        for one in contents.quantities
+        if one.group == group and one.in_vtk
+    }
 
 
 def _frames(results: Results, steps: NDArray[np.int64]) -> Fields:
     """Of frames (k, f, 3), in space: velocities, forces and moments on their bodies."""
     if not results.frames:
         return {}
-    width = 3 * len(results.frames)
-    variables = ("position", "velocity", "force", "moment")
-    return {name: _at(results, f"frame_{name}", steps, width) for name in variables}
+    position = _at(results, "frame_position", steps, 3 * len(results.frames))
+    return {"position": position, **_recorded(results, "frames", steps)}
 
 
 def _contacts(results: Results, steps: NDArray[np.int64]) -> Fields:

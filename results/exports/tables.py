@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...files import write_rows
+from ..dimensions import Axes
+from ..motion import EVENTS
+from ..quantity import Quantity
 from ..results import Results
-from ..schema import EVENTS, Axes, Quantity
 from ..transforms import Series, parse, series
 from ..wildcards import named, of_all
 from .folder import distinct, exported

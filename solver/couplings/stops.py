@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
-from ..schema.entry import Beside, Entry, entry
-from ..schema.values import Limits, Name
+from ..schema.entry import Entry, Flattened, entry
+from ..schema.values import JointName, Limits, Name
 from .impact import Impact
 from .joint import Joint
 from .on_coordinate import OnCoordinate
@@ -21,12 +21,13 @@ class Stop(Entry):
     """
 
     label = "stop {name!r}"
+    group: ClassVar[str] = "stops"
 
     name: Name
-    joint: str
+    joint: JointName
     coordinate: str
     range: Limits
-    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
+    impact: Annotated[Impact, Flattened()] = field(default_factory=Impact)
 
     def validate(self) -> None:
         if (self.impact.stiffness is None) == (self.impact.law is None):

@@ -13,12 +13,14 @@ import numpy as np
 from ...results.validity import CRITERIA, Check, Criterion, Validity
 from ..arrays import Array
 from ..model.bodies import FlexibleBody
+from ..output.subjects import Subjects
 from ..step.axial import axial_force
+from ..step.gaps import contact_arm
 from .modes import FirstOrder, LinearModes
 from .pose import Pose
 
-SHARE = 0.01
-"""of the inertia of a mode, from which on a body takes part in it"""
+# of the inertia of a mode, from which on a body takes part in it
+MIN_INERTIA_SHARE = 0.01
 _ROTATION = "make its superelement with [rotation], for terms of second order"
 LINEAR_CRITERIA = {
     criterion.name: criterion
@@ -66,6 +68,8 @@ LINEAR_CRITERIA = {
                 "hinged at both ends"
             ),
         ),
+        CRITERIA["contact_arm"],
+        CRITERIA["hertz_radius"],
         CRITERIA["kernel_error"],
         Criterion(
             "linear_band",
@@ -115,7 +119,7 @@ def validity_of(
         checks += _of_deformation(pose, e, body)
         for criterion, value in _of_body(pose, e, body, frequency):
             checks.append(Check(LINEAR_CRITERIA[criterion], name, value))
-    return LinearValidity(tuple(checks))
+    return LinearValidity((*checks, *_of_contacts(pose)))
 
 
 def _of_deformation(pose: Pose, e: int, body: FlexibleBody) -> Iterator[Check]:
@@ -153,6 +157,26 @@ def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator
         yield "second_order_spin", spin / float(np.sqrt(omega[0] * top))
 
 
+def _of_contacts(pose: Pose) -> Iterator[Check]:
+    """The contacts that are closed in the equilibrium."""
+    subjects, system, work = Subjects(pose.lowered), pose.system, pose.work
+    couplings, elastic = system.couplings, system.elastic
+    closed = work.couplings.status[subjects.contacts] != 0
+    for k in subjects.carried[closed[subjects.carried]].tolist():
+        j = int(subjects.contacts[k])
+        i = int(couplings.range[j])
+        body = system.frames.body[couplings.rows.frame_a[i]]
+        arm = float(np.linalg.norm(contact_arm(couplings.rows, i, work)))
+        arm /= float(elastic.size[elastic.of_body[body]])
+        yield Check(CRITERIA["contact_arm"], pose.lowered.coupling_names[j], arm)
+    for k, patch in zip(subjects.hertzian.tolist(), subjects.patches.tolist(), strict=True):
+        j = int(subjects.contacts[k])
+        if closed[k]:
+            depth = -float(work.couplings.coordinate[couplings.range[j]])
+            size = patch * float(np.sqrt(max(depth, 0.0)))
+            yield Check(CRITERIA["hertz_radius"], pose.lowered.coupling_names[j], size)
+
+
 def _is_stiffened(body: FlexibleBody) -> bool:
     return body.rotation is not None and bool(body.rotation.stiffens)
 
@@ -169,4 +193,4 @@ def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:
     first = form.equations.sizes.n_r + sum(body.m for body in form.bodies[:e])
     own: Array = (np.abs(modes.y[first : first + form.bodies[e].m]) ** 2).sum(axis=0)
     whole: Any = (np.abs(form.coordinates @ modes.y) ** 2).sum(axis=0)
-    return float(modes.frequencies[own > SHARE * whole].max(initial=0.0))
+    return float(modes.frequencies[own > MIN_INERTIA_SHARE * whole].max(initial=0.0))

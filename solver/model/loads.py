@@ -7,7 +7,7 @@ from ...superelement import Pattern, Superelement
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.forms import ByType, Kinds, kinds_of
-from ..schema.values import FrameName, NotNegative, Vector
+from ..schema.values import AxisOrVector, BodyName, FrameName, NotNegative
 from ..signals.curves import Constant
 from ..signals.signal import AnySignal
 from ..step import loads as compiled
@@ -24,6 +24,7 @@ class Load(Entry, metaclass=ByType):
     """
 
     label = "load ({type}) on {on!r}"
+    group: ClassVar[str] = "loads"
     kind: ClassVar[Any]
     """the class that computes it"""
 
@@ -37,6 +38,7 @@ class Load(Entry, metaclass=ByType):
     @classmethod
     def of_type(cls, type: str, on: str, *given: Any, **keys: Any) -> "Load":
         """The load of a type that model files know."""
+        # Asked at each call, for users may have declared kinds of their own since.
         kinds = kinds_of(cls)
         if type not in kinds:
             known = ", ".join(map(repr, kinds))
@@ -50,7 +52,7 @@ class Load(Entry, metaclass=ByType):
 
     @property
     def unit(self) -> str:
-        """That of its signal."""
+        """The unit of its signal."""
         return ""
 
     @property
@@ -59,7 +61,7 @@ class Load(Entry, metaclass=ByType):
         return ()
 
     def unloaded(self) -> "Load":
-        """It without what acts at rest, as linear analyses of a model at rest take it."""
+        """This load without the part that acts at rest, for linear analyses at rest."""
         return self
 
 
@@ -70,7 +72,7 @@ class DirectedLoad(Load):
     direction (3,): in space, or in the axes of the frame when the load follows it.
     """
 
-    direction: Vector
+    direction: AxisOrVector
     signal: AnySignal
     follower: bool = False
 
@@ -145,8 +147,9 @@ class PatternLoad(Entry):
     """
 
     label = "load (pattern) on {body!r}"
+    group: ClassVar[str] = "loads"
 
-    body: str
+    body: BodyName
     pattern: str
     signal: AnySignal
 
@@ -159,7 +162,7 @@ class PatternLoad(Entry):
 
     @property
     def owner_of_pattern(self) -> str:
-        """BODY.PATTERN."""
+        """The pattern with its body, as BODY.PATTERN."""
         return f"{self.body}.{self.pattern}"
 
     def pattern_of(self, element: Superelement) -> Pattern:

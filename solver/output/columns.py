@@ -4,15 +4,9 @@ from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from itertools import pairwise
 
-from ...results.schema import (
-    OWNERS,
-    QUANTITIES,
-    Axis,
-    Contents,
-    SuperelementFile,
-    attributes_of,
-    lay_out,
-)
+from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
+from ...results.dimensions import Axis
+from ...results.motion import OWNERS, QUANTITIES
 from ...superelement.sensor import KINDS
 from ..arrays import Array
 from ..couplings.coupling import GROUND
@@ -56,9 +50,11 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
         for name, r in zip(model.flexible_bodies, lowered.system.elastic.second.r, strict=True)
         for i in range(int(r))
     ]
+    # False for each: coordinates of second order are lengths.
     axes["second_order_coordinate"] = _axis(list(enumerate(numbers)), [False] * len(numbers))
     lengths = lowered.measures_lengths.tolist()
     ranges = list(pairwise(couplings.range.tolist()))
+    # Joints have different numbers of rows: theirs are one long dimension, which the names divide.
     for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):
         entries = [
             (row, f"{name}.{row - ranges[j][0] + 1}")
@@ -152,7 +148,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
     names = [quantity.key for quantity in QUANTITIES if quantity.source and not quantity.owned]
     for group, dimension in OWNERS.items():
         for owner in axes[dimension].names:
-            attributes = [name for name, _, _ in attributes_of(axes, group, owner)]
+            attributes = [name for name, _, _ in attributes_of(QUANTITIES, axes, group, owner)]
             names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
     return dict.fromkeys(names)
 
@@ -161,10 +157,12 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
     if group in OWNERS:
-        for name_of_owner, quantity, entries in attributes_of(axes, group, owner):
+        for name_of_owner, quantity, entries in attributes_of(QUANTITIES, axes, group, owner):
             if name_of_owner == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):
+                    # A slice is a view into the output; an index by a tuple would be a copy that no
+                    # step changes.
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
                 yield getattr(output, quantity.source)[:1, rows]
     for quantity in QUANTITIES:

@@ -183,7 +183,7 @@ def test_patterns_are_named_for_they_are_in_the_balance(results_file, monkeypatc
     monkeypatch.setattr(type(element), "patterns", (pattern,))
     monkeypatch.setattr(Results, "patterns", ("beam.wind",))
     amplitude = np.full(len(results.time), 2.0)
-    monkeypatch.setattr(Results, "pattern", lambda self, name: PatternMotion(amplitude, amplitude))
+    monkeypatch.setattr(Results, "pattern", lambda self, name: PatternMotion({"load": amplitude}))
     loaded = load_set(results, "beam", 0.02)
     assert loaded.patterns == {"wind": 2.0}
     gained = element.mass * (loaded.acceleration - plain.acceleration)

@@ -161,6 +161,7 @@ def test_what_cannot_be_done_is_told_in_one_line(runner, pendulum, tmp_path):
     assert "error: " in result.stderr
     assert "load:2: expected load:1 to load:1" in result.stderr
     result = run(runner, "campbell", pendulum, "--spin", 0, 200, 5, code=1)
-    assert "a Campbell diagram needs the axis of a steady_rotation" in result.stderr
+    told = f"{pendulum}: simulation: a Campbell diagram needs the axis of a steady_rotation"
+    assert told in result.stderr
     result = run(runner, "modes", pendulum, "-o", pendulum, code=1)
     assert "would replace" in result.stderr

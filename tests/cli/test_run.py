@@ -168,10 +168,10 @@ def test_every_error_of_a_model_names_its_file_once(runner, tmp_path, text, mess
 
 
 def test_an_interrupt_before_the_first_step_says_so(runner, model_file, monkeypatch):
-    def interrupt(model):
+    def interrupt(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("duhamel.solver.doubts", interrupt)
+    monkeypatch.setattr("duhamel.solver.read_model", interrupt)
     result = runner.invoke(app, ["run", str(model_file)])
     target = model_file.with_name("flight-results.h5")
     told = f"interrupted before the first step; {target} is not written\n"

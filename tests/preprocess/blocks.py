@@ -6,7 +6,7 @@ from typing import Any
 
 import meshio
 import numpy as np
-from duhamel.preprocess.mesh.cells import SOLIDS
+from duhamel.preprocess.mesh.cells import SOLID_TYPES
 
 CUBE = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
@@ -71,7 +71,7 @@ def box_mesh(
     grid, cells = solid_cells(kind, divisions)
     points = grid / (2.0 * np.array(divisions)) * size
     parts = []
-    for facet, local in SOLIDS[kind].facets.items():
+    for facet, local in SOLID_TYPES[kind].facets.items():
         faces = cells[:, np.array(local)].reshape(-1, len(local[0]))
         for name, x in (("root", 0), ("tip", 2 * divisions[0])):
             parts.append((name, facet, faces[(grid[faces, 0] == x).all(axis=1)]))

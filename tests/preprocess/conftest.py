@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import Body
-from duhamel.preprocess.mesh.cells import SOLIDS
+from duhamel.preprocess.mesh.cells import SOLID_TYPES
 
 from .blocks import box_mesh, named
 
@@ -39,7 +39,7 @@ def straight(elements: int, length: float = 0.5, along: Any = (1.0, 0.0, 0.0)) -
     return line_mesh(np.linspace(0.0, length, elements + 1)[:, None] * np.array(along))
 
 
-@pytest.fixture(params=SOLIDS)
+@pytest.fixture(params=SOLID_TYPES)
 def kind(request: pytest.FixtureRequest) -> str:
     """Every type of solid."""
     return str(request.param)

@@ -266,7 +266,7 @@ def test_batches_of_points_change_nothing(solid_body, box, monkeypatch):
     structure, source = assemble(body), read_source(body)
     modes = np.random.default_rng(0).normal(size=(structure.n_u, 4))
     whole = recover(body, source, structure, lambda rows: rows @ modes)
-    monkeypatch.setattr("duhamel.preprocess.recovery.BATCH", 7)
+    monkeypatch.setattr("duhamel.preprocess.recovery.POINTS_AT_ONCE", 7)
     assert len(whole.points) % 7
     parts = recover(body, source, structure, lambda rows: rows @ modes)
     np.testing.assert_array_equal(parts.phi, whole.phi)
@@ -280,7 +280,7 @@ def test_batches_of_nodes_with_rotations_change_nothing(beam_body, beam, monkeyp
     structure, source = assemble(body), read_source(body)
     modes = np.random.default_rng(0).normal(size=(structure.n_u, 3))
     whole = recover(body, source, structure, lambda rows: rows @ modes)
-    monkeypatch.setattr("duhamel.preprocess.recovery.BATCH", 4)
+    monkeypatch.setattr("duhamel.preprocess.recovery.POINTS_AT_ONCE", 4)
     parts = recover(body, source, structure, lambda rows: rows @ modes)
     np.testing.assert_array_equal(parts.phi, whole.phi)
     np.testing.assert_array_equal(parts.phi_rotation, whole.phi_rotation)

@@ -4,8 +4,9 @@ import h5netcdf
 import numpy as np
 import pytest
 import xarray as xr
+from duhamel.results.dimensions import DIMENSIONS
 from duhamel.results.file import FileWriter
-from duhamel.results.schema import DIMENSIONS, EVENT_OF, EVENTS, QUANTITIES
+from duhamel.results.motion import EVENT_OF, EVENTS, QUANTITIES
 
 from .writing import NOTES, batch, make_contents, make_events, make_output
 

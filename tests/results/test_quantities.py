@@ -1,5 +1,7 @@
 """Quantities of a results file, against closed forms."""
 
+import copy
+import pickle
 import subprocess
 import sys
 
@@ -9,7 +11,7 @@ import pytest
 from duhamel.results import QuantityError, Results, ResultsError, quantities
 from duhamel.results.rotations import twists
 
-from .disc import ACCELERATION, ANGLE, RIM, SPEED, TIME, TRAVEL
+from .disc import ACCELERATION, ANGLE, RIM, SPEED, TILT, TIME, TRAVEL
 
 E_Z = np.array([0.0, 0.0, 1.0])
 
@@ -92,6 +94,60 @@ def test_what_stands_in_the_file_is_given_as_it_is(results):
         quantities.angular_acceleration(results, "beam.tip"), TRAVEL + 10.0
     )
     np.testing.assert_array_equal(quantities.energy(results, "kinetic"), 30.0 * SPEED**2)
+
+
+@pytest.mark.parametrize("name", ["disc", "beam.tip"])
+def test_attributes_have_what_plot_draws(results, name):
+    """In the same axes: the angular velocity of a body is in space, in `v` in body axes."""
+    is_body = name in results.bodies
+    motion = results.body(name) if is_body else results.frame(name)
+    linear = "" if is_body else "linear_"
+    for attribute, kind in (
+        ("position", "position"),
+        (f"{linear}velocity", "velocity"),
+        (f"{linear}acceleration", "acceleration"),
+        ("angular_velocity", "angular_velocity"),
+        ("angular_acceleration", "angular_acceleration"),
+    ):
+        found = getattr(motion, attribute)
+        assert found.shape == (len(TIME), 3)
+        np.testing.assert_array_equal(
+            found, quantities.evaluate(results, f"{kind}:{name}").values, attribute
+        )
+
+
+def test_the_angular_velocity_of_a_body_is_in_space(results):
+    disc = results.body("disc")
+    np.testing.assert_allclose(disc.angular_velocity, SPEED[:, None] * E_Z, rtol=0, atol=1e-12)
+    in_body_axes = SPEED[:, None] * TILT.inv().apply(E_Z)
+    np.testing.assert_allclose(disc.v[:, 3:], in_body_axes, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(disc.rotation, disc.R)
+    np.testing.assert_array_equal(disc.position, disc.x)
+
+
+def test_the_parts_of_what_a_frame_has(results):
+    tip = results.frame("beam.tip")
+    np.testing.assert_array_equal(tip.elastic_displacement, TRAVEL)
+    np.testing.assert_array_equal(tip.elastic_rotation, 10 * TRAVEL)
+    np.testing.assert_array_equal(tip.velocity, np.hstack([TRAVEL + 7.0, TRAVEL + 8.0]))
+    np.testing.assert_array_equal(np.hstack([tip.applied_force, tip.applied_moment]), tip.force)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_what_was_read_can_be_copied(results, copied):
+    clamp, again = results.joint("clamp"), copied(results.joint("clamp"))
+    assert vars(again).keys() == vars(clamp).keys()
+    np.testing.assert_array_equal(again.angle, clamp.angle)
+
+
+def test_results_are_not_changed_and_say_what_they_have(results):
+    disc = results.body("disc")
+    with pytest.raises(AttributeError, match="cannot assign to 'x'"):
+        disc.x = 2.0
+    assert repr(disc) == (
+        "<BodyMotion: x (181, 3), R (181, 4), v (181, 6), v_dot (181, 6), "
+        "second_order_force (181, 0)>"
+    )
 
 
 @pytest.mark.parametrize(

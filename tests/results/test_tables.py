@@ -18,7 +18,7 @@ from duhamel.results import (
 from duhamel.results.exports import matlab, tables
 from duhamel.results.exports.matlab import identifiers
 from duhamel.results.file import FileWriter
-from duhamel.results.schema import EVENTS
+from duhamel.results.motion import EVENTS
 from duhamel.results.source import Memory
 from duhamel.results.steps import evenly, window
 

@@ -3,16 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
-from duhamel.results.schema import (
-    EVENTS,
-    Axis,
-    Batch,
-    Energies,
-    EventRows,
-    SuperelementFile,
-    lay_out,
-    output_fields,
-)
+from duhamel.results.batches import Batch, Energies, EventRows
+from duhamel.results.contents import SuperelementFile, lay_out
+from duhamel.results.dimensions import Axis
+from duhamel.results.motion import EVENTS, output_fields
 
 NOTES = {"h": 0.1, "steps": 10, "finished": False, "assembly_error_at": ""}
 START = Energies(2.0, 6.0)

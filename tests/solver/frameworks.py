@@ -19,11 +19,14 @@ SECTION = {
 ELASTIC = ("EA", "EI_y", "EI_z", "GJ")
 
 
-def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, steps=10):
+def framework(
+    folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, steps=10, rotation=False
+):
     """Straight bars, each given by its two ends and cut into `elements`; bars that share an end are
     joined there.
 
-    interfaces: points by name; stiffness: a factor on all of them.
+    interfaces: points by name; stiffness: a factor on all of them; rotation: with terms of second
+    order.
     """
     points, lines = _mesh(np.asarray(ends, dtype=float), elements)
     path = Path(folder) / "framework.msh"
@@ -38,6 +41,8 @@ def framework(folder, ends, interfaces, elements=4, stiffness=1.0, step=2e-4, st
         "interfaces": {name: {"node": list(point)} for name, point in interfaces.items()},
         "impulse": {"step": step, "steps": steps},
     }
+    if rotation:
+        body["rotation"] = {"modes": 4}
     return build(Body.model_validate(body))
 
 

@@ -172,9 +172,9 @@ class Reference:
             ]
         )
         angles = [
-            joint.angle(0.0) if "angle" in joint.drives else 0.0
-            for joint in (*model.joints, *model.springs)
-            if joint.name in self.angles
+            entry.angle(0.0) if getattr(entry, "angle", None) is not None else 0.0
+            for entry in (*model.joints, *model.springs)
+            if entry.name in self.angles
         ]
         self.rest = [self._rest(spring, angles, x, q) for spring in model.springs]
         y = np.concatenate([x.ravel(), q.ravel(), v.ravel(), w.ravel(), angles])

@@ -1,6 +1,7 @@
 """Equilibria that are hard to find: without loads, with integrals of servos, of stiff contacts."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,11 +24,14 @@ from duhamel.solver import (
     Spherical,
     Spring,
     Start,
+    SteadyRotation,
     Torque,
     simulate,
     start,
 )
 from scipy.spatial.transform import Rotation
+
+from .frameworks import bar
 
 L, EI, MASS, G = 0.5, 5.5, 0.0429, 9.81
 AT = {"at": Frame([0, 0, 0])}
@@ -78,6 +82,19 @@ def test_an_unloaded_model_is_in_equilibrium_and_stays_there(seed):
     x = results.body("second").x
     assert not list(results.validity.brief())
     assert np.abs(x - x[0]).max() < 1e-12 * np.abs(x).max()
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(("distance", "stiffness", "g"), [(1e5, 1.0, 0.0), (1e4, 1e4, G)])
+def test_a_model_far_from_the_origin_is_where_a_near_one_is(seed, distance, stiffness, g):
+    """Its joints close no better than coordinates are rounded."""
+    place, gravity = distance * np.array([-0.8, 0.5, 0.3]), np.array([0.0, 0.0, -g])
+    near, far = (
+        simulate(replace(held_by_a_bushing(seed, at, 0.5, stiffness), gravity=gravity))
+        for at in (np.zeros(3), place)
+    )
+    apart = far.body("second").x - near.body("second").x - place
+    assert np.abs(apart).max() < 20.0 * np.finfo(float).eps * distance
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -167,6 +184,40 @@ def test_a_model_without_equilibrium_is_told_the_cause_that_applies(case):
         start(model)
     causes = [text for _, _, text in WITHOUT.values() if re.search(text, str(refusal.value))]
     assert causes == [cause]
+
+
+def test_a_column_beyond_its_buckling_load_is_not_said_to_be_free(tmp_path):
+    """A clamp holds it: what it cannot find is a bent shape within the range of the method."""
+    column = bar(tmp_path, L, rotation=True)
+    load = 1.5 * np.pi**2 * EI / (4.0 * L**2)
+    model = Model(
+        {"column": FlexibleBody(column, Start([L / 2, 0, 0]))},
+        [Fixed("ground", "column.left", name="clamp")],
+        loads=[Force("column.right", [-load, 1e-4, 0], Constant(1.0))],
+        settings=Settings(t_end=1e-2, step=1e-3, start="equilibrium"),
+    )
+    cause = "body 'column' has turned by .* by elasticity alone, .* beyond a buckling load"
+    with pytest.raises(ModelError, match=cause) as refusal:
+        start(model)
+    assert "free" not in str(refusal.value)
+
+
+def test_a_spring_too_soft_for_a_rotation_is_not_said_to_be_missing():
+    """A mass that slides on a wheel, beyond the critical speed sqrt(k / m)."""
+    wheel, slider = (RigidBody(1.0, [1.0] * 3, {}, Start([x, 0, 0])) for x in (0.0, 1.0))
+    model = Model(
+        {"wheel": wheel, "slider": slider},
+        [
+            Revolute("ground", "wheel", [0, 0, 1], name="axle"),
+            Prismatic("wheel", "slider", [1, 0, 0], name="guide"),
+        ],
+        springs=[Spring("spring", "point", ("wheel", "slider"), stiffness=1e3, rest=1.0)],
+        settings=Settings(
+            t_end=1e-2, step=1e-3, start="equilibrium", steady_rotation=SteadyRotation([0, 0, 50.0])
+        ),
+    )
+    with pytest.raises(ModelError, match="no spring or contact stops it against the centrifugal"):
+        start(model)
 
 
 def hung_out_chain(links, length=0.1):

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Contact,
     Fixed,
     FlexibleBody,
     Force,
+    Frame,
+    Hertz,
+    Impact,
     Polynomial,
     PrescribedDisplacement,
+    Prismatic,
     Revolute,
     RigidBody,
     Start,
@@ -145,3 +150,40 @@ def test_the_deformation_of_the_equilibrium_is_that_of_the_elastica(line):
     checks = loaded.validity().checks
     turned = sum(c.value for c in checks if c.criterion.name == "elastic_rotation")
     assert turned == pytest.approx(0.1, rel=0.02)  # of root and tip from the chord between
+
+
+@pytest.mark.parametrize(("distance", "verdict"), [(0.05, "good"), (0.15, "fair"), (0.25, "poor")])
+def test_a_closed_contact_far_from_its_frame(line, distance, verdict):
+    """A light ball rests on the beam, on a plane that the tip carries."""
+    tip, size = line.interface("tip").X[0] - line.interface("root").X[0], line.size
+    ball = RigidBody(1e-3, [1e-6] * 3, start=Start([tip - distance * size, 0.0, 0.01]))
+    model = model_of(
+        {"beam": FlexibleBody(line, Start(-line.interface("root").X)), "ball": ball},
+        (Fixed("ground", "beam.root", name="clamp"), Prismatic("ground", "ball", Z, name="guide")),
+        contacts=[
+            Contact("c", ("beam.tip", "ball"), "plane", 0.01, Z, impact=Impact(stiffness=1e5))
+        ],
+        gravity=[0.0, 0.0, -9.81],
+        step=1e-3,
+        start="equilibrium",
+    )
+    assert value(linearize(model), "contact_arm") == (pytest.approx(distance, rel=0.02), verdict)
+
+
+@pytest.mark.parametrize(("patch", "verdict"), [(0.16, "good"), (0.25, "fair"), (0.35, "poor")])
+def test_a_closed_contact_beyond_the_range_of_hertz(patch, verdict):
+    """A ball that lies on a plane, under the force that makes this patch over its radius."""
+    radius, hertz = 0.01, Hertz([2.1e9, 2.1e9], [0.3, 0.3])
+    depth = radius * patch**2
+    weight = 4.0 / 3.0 * hertz.modulus * np.sqrt(radius) * depth**1.5
+    ball = RigidBody(weight / 9.81, [1e-3] * 3, start=Start([0.0, 0.0, radius - depth]))
+    model = model_of(
+        {"ball": ball},
+        (Prismatic("ground", "ball", Z, name="guide"),),
+        contacts=[Contact("c", ("ground.floor", "ball"), "plane", radius, Z, hertz=hertz)],
+        ground_frames={"floor": Frame()},
+        gravity=[0.0, 0.0, -9.81],
+        step=1e-3,
+        start="equilibrium",
+    )
+    assert value(linearize(model), "hertz_radius") == (pytest.approx(patch, rel=1e-3), verdict)

@@ -81,6 +81,18 @@ def test_a_ball_passes_unseen_only_where_it_does_not_touch(shape, turning):
         np.testing.assert_allclose(np.linalg.norm(results.body("ball").v[-1]), SPEED, rtol=1e-12)
 
 
+@pytest.mark.parametrize("tilt", [0.3, 0.8])
+def test_a_ball_that_crosses_a_short_cylinder_aslant_is_found(tilt):
+    """It is beyond an end both before and after the step, where the gap counts both distances."""
+    along = np.array([np.cos(tilt), 0.0, np.sin(tilt)])
+    velocity = 4.0 * SPEED * along
+    start = Start(position=-1.5 * STEP * velocity, velocity=velocity)
+    ball, model = RigidBody(1.0, [1e-3] * 3, start=start), shot("cylinder", 0.0)
+    pin = replace(model.contacts[0], length=4.0 * RADIUS)
+    with pytest.raises(MissedContactError, match="in step 2 "):
+        simulate(replace(model, bodies={**model.bodies, "ball": ball}, contacts=[pin]))
+
+
 def test_short_steps_take_the_place_of_the_long_one_that_passes():
     """Two equal balls exchange their velocities along the line of their centers."""
     for offset in (0.0, 0.5 * SIZE):

@@ -18,5 +18,5 @@ def test_the_time_step_knows_nothing_of_models():
         "laws",
         "step",
     }
-    # The table of quantities, from which the output of a step is allocated.
-    assert {target for target in imported if target[0] != "solver"} == {("results", "schema")}
+    # The records of quantities, from which the output of a step is allocated.
+    assert {target for target in imported if target[0] != "solver"} == {("results", "motion")}

@@ -95,7 +95,7 @@ def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
     """Blocks of 4, 8 and 16 of 60 steps; with kernels that end after 27 steps, loads are let go of
     besides.
     """
-    monkeypatch.setattr(dyadic, "BLOCK", block)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", block)
     damped = replace(coarse.modes, zeta=np.full(len(coarse.modes.omega), 0.5))
     soft = replace(coarse, modes=damped, compliance=damped.compliance)
     values = values_at(range(STEPS + 1))
@@ -293,25 +293,77 @@ def test_a_results_file_holds_the_steps_before_an_error_or_an_early_end(coarse, 
         Simulator(model, OUTPUTS).finish()
 
 
-@pytest.mark.parametrize(("damping", "is_stable"), [(15.0, True), (45.0, False)])
-def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_stable):
-    """A damper d of a wheel J, told a step late and linear in between, is stable for d < 2 J / h:
+def damped_wheel(damping, steps, **options):
+    """A wheel under a damper d that is told a step late and linear in between, for some steps.
 
-    z^2 + (a / 2 - 1) z + a / 2 = 0 with a = d h / J. Its torque is limited.
+    It is stable for d < 2 J / h = 40 N m s / rad:
+
+        z^2 + (a / 2 - 1) z + a / 2 = 0 with a = d h / J
     """
-    J, h = 0.02, 1e-3
+    J, h, limit = 0.02, 1e-3, options.pop("limit", np.inf)
     model = Model(
         {"wheel": RigidBody(1.0, [J, J, J], start=Start(angular_velocity=[0, 0, 1.0]))},
         [Revolute("ground", "wheel", [0, 0, 1], name="axle")],
-        motors=[Motor("drive", "axle", "angle", torque=Input("torque"), limit=30.0)],
+        motors=[Motor("drive", "axle", "angle", torque=Input("torque"))],
         settings=Settings(t_end=0.6, step=h),
     )
-    simulator = Simulator(model, ["joints/axle/angle_rate"])
+    with Simulator(model, ["joints/axle/angle_rate"], **options) as simulator:
+        for _ in range(steps):
+            simulator.step([np.clip(-damping * simulator.outputs[0], -limit, limit)])
+    return float(simulator.outputs[0])
+
+
+@pytest.mark.parametrize(("damping", "is_stable"), [(15.0, True), (45.0, False)])
+def test_a_controller_whose_gain_is_too_large_for_its_delay_is_told(damping, is_stable):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        for _ in range(600):
-            simulator.step([np.clip(-damping * simulator.outputs[0], -30.0, 30.0)])
+        rate = damped_wheel(damping, 600, limit=30.0)
     told = [str(each.message) for each in caught if each.category is ValidityWarning]
+    told = [line for line in told if line.startswith("input ")]
     assert len(told) == (0 if is_stable else 1)
     assert is_stable or told[0].startswith("input 'torque' chatters: until t = 0.512 s")
-    assert (abs(simulator.outputs[0]) < 1e-3) == is_stable
+    assert (abs(rate) < 1e-3) == is_stable
+
+
+def test_an_input_that_chatters_to_the_end_of_a_short_run_is_told(tmp_path):
+    with pytest.warns(ValidityWarning, match=r"input 'torque' chatters: until t = 0\.4 s"):
+        damped_wheel(45.0, 400, limit=30.0, results=tmp_path / "wheel.h5")
+
+
+@pytest.mark.parametrize("damping", [100.0, 1e4])
+def test_a_step_that_fails_for_a_controller_names_its_input(damping):
+    with pytest.raises(ConvergenceError, match="likely cause: input 'torque' goes up and down"):
+        damped_wheel(damping, 600)
+
+
+def stiff():
+    """A mass on a spring, four steps in a period."""
+    mass = RigidBody(1.0, [0.1] * 3, start=Start(velocity=[1.0, 0, 0]))
+    stiffness = [(0.5 * np.pi / H) ** 2, 0.0, 0.0, 0.0, 0.0, 0.0]
+    return Model(
+        {"mass": mass},
+        springs=[Spring("spring", "bushing", ("ground.wall", "mass"), stiffness=stiffness)],
+        ground_frames={"wall": Frame()},
+        settings=Settings(t_end=60 * H, step=H),
+    )
+
+
+def test_a_simulator_warns_at_t_end_of_limits_that_were_passed():
+    simulator = Simulator(stiff(), [])
+    for _ in range(59):
+        simulator.step([])
+    with pytest.warns(ValidityWarning, match="time steps per period") as told:
+        simulator.step([])
+    assert [str(each.message) for each in told] == list(simulator.validity.brief())
+
+
+def test_a_simulator_warns_at_the_end_of_its_block_once():
+    def run(simulator):
+        with simulator:
+            for _ in range(50):
+                simulator.step([])
+
+    simulator = Simulator(stiff(), [])
+    with pytest.warns(ValidityWarning, match="time steps per period") as told:
+        run(simulator)
+    assert [str(each.message) for each in told] == list(simulator.validity.brief())

@@ -2,6 +2,7 @@
 redundant constraints.
 """
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -20,9 +21,11 @@ from duhamel.solver import (
     Revolute,
     RigidBody,
     Settings,
+    Simulator,
     Spherical,
     Start,
     Universal,
+    ValidityWarning,
     simulate,
     start,
 )
@@ -252,18 +255,18 @@ IMPOSSIBLE = {
     ),
     "a body that falls": (
         falling,
-        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; farthest "
-        r"from it is body 'stone'\. In the last state: "
+        r"start = 'equilibrium': none found, relative residual \S+ after 400 steps; the "
+        r"largest residual is that of body 'stone'\. In the last state: "
         r"no joint, spring or contact holds body 'stone', .* 9\.81\d* N .*: it falls freely$",
     ),
     "a velocity": (
         lambda: pendulum(velocity=[0, 1, 0], start="equilibrium"),
-        r"body 'bob': velocity: start = 'equilibrium' takes none but steady_rotation, got "
+        r"body 'bob': velocity: start = 'equilibrium' allows none but steady_rotation, got "
         r"\[0.0, 1.0, 0.0\]",
     ),
     "a rate": (
         lambda: pendulum(joint={"start": {"angle_rate": 1.0}}, start="equilibrium"),
-        r"joint 'pin': start: angle_rate: start = 'equilibrium' takes no rates but "
+        r"joint 'pin': start: angle_rate: start = 'equilibrium' allows no rates but "
         r"steady_rotation, got 1.0",
     ),
 }
@@ -274,3 +277,30 @@ def test_a_start_that_cannot_be_is_refused(name):
     make, message = IMPOSSIBLE[name]
     with pytest.raises(ModelError, match=message):
         simulate(make())
+
+
+def test_velocities_that_joints_take_away_are_told(beam):
+    """Elastic bodies start without rates, so that a mass on the tip of a clamped beam rests."""
+
+    def mass(speed: float) -> Model:
+        return Model(
+            bodies={
+                "beam": FlexibleBody(beam.element, Start(position=[L / 2, 0, 0])),
+                "mass": RigidBody(9.0, [1.0] * 3, start=Start([L, 0, 0], velocity=[0, speed, 0])),
+            },
+            joints=[Fixed("ground", "beam.root"), Spherical("beam.tip", "mass")],
+            settings=Settings(t_end=1e-3),
+        )
+
+    words = r"body 'mass': starts with velocity = \[.*not with \[0, 0.01, 0\]"
+    with pytest.warns(ValidityWarning, match=words):
+        start(mass(0.01))
+    with pytest.warns(ValidityWarning, match=words):
+        Simulator(mass(0.01), [])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ValidityWarning)
+        start(mass(0.0))
+        free = RigidBody(
+            9.0, [1.0] * 3, start=Start(velocity=[1, 0, 0], angular_velocity=[0, 0, 1])
+        )
+        start(Model({"mass": free}, settings=Settings(t_end=1e-3, step=1e-4)))

@@ -38,7 +38,7 @@ from duhamel.solver import (
     start,
 )
 from duhamel.solver.lower.allocation import make_output
-from duhamel.solver.output.validity import Judge
+from duhamel.solver.output.validity import ValidityMonitor
 from duhamel.solver.simulation import signals
 from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.extremes import follow_extremes
@@ -304,6 +304,26 @@ def test_the_error_and_the_band_of_a_kernel_are_those_of_its_superelement():
     ]
 
 
+@pytest.mark.parametrize(("error", "band", "warned"), [(0.051, 48.0, 2), (0.049, 54.0, 0)])
+def test_a_kernel_is_warned_of_beyond_its_limits(error, band, warned):
+    """It vibrates with 50 Hz."""
+    element = one_mode(2.0 * np.pi * 50.0)
+    kernel = replace(element.kernel, error=error, band=band)
+    results = simulate(pushed(replace(element, kernel=kernel, modes=None), Impulse(1.0, 0.0)))
+    assert len(results.validity.warnings) == warned
+
+
+@pytest.mark.parametrize(("rho_inf", "warned"), [(0.3, True), (0.6, False)])
+def test_energy_that_time_stepping_takes_from_modes_is_warned_of(rho_inf, warned):
+    """More than a tenth of a free vibration with 20 steps in a period, or a hundredth of it."""
+    model = pushed(one_mode(2.0 * np.pi / (20.0 * H)), Impulse(1.0, 0.0), rho_inf=rho_inf)
+    results = simulate(model)
+    lines = [line for line in results.validity.warnings if "numerical dissipation" in line]
+    assert bool(lines) == warned
+    vibration = (results.energy.kinetic + results.energy.elastic).max()
+    assert (results.energy.numerical[-1] > 0.1 * vibration) == warned
+
+
 def test_a_kernel_that_is_cut_off_adds_its_error():
     element = one_mode(zeta=0.1)
     model = pushed(element, Impulse(1.0, 0.0), t_end=1.5, history="direct", kernel_length=1)
@@ -424,7 +444,7 @@ def test_validity_is_indifferent_to_the_frame(hub_and_beam, coarse_beam):
             settings=model.settings,
         )
         checks = simulate(moved).validity.checks
-        of_rounding = ("joint_opening", "missed_turn")
+        of_rounding = ("joint_opening", "force_noise", "missed_turn")
         values.append([c.value for c in checks if c.criterion.name not in of_rounding])
     np.testing.assert_allclose(values[0], values[1], rtol=1e-5, atol=1e-12)
 
@@ -483,7 +503,7 @@ def test_turns_that_the_rate_cannot_count_are_warned_of():
     run = Run(system=lowered.system, state=state, work=initial.work, output=output)
     state.observers.rate[:] = 4.0 / H
     advance(run, signals(lowered, 1, np.full(1, -1)))
-    validity = Judge(lowered).validity(state, 1)
+    validity = ValidityMonitor(lowered).validity(state, 1)
     assert validity.values("missed_turn") == {"hinge.angle": pytest.approx(2.0)}
     assert validity.warnings == (
         "angle 'hinge.angle': joint angle increment minus rate prediction: 2 rad (limit < 1.57 rad)"

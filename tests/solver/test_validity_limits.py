@@ -2,6 +2,7 @@
 run says so.
 """
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from duhamel.solver import (
     Model,
     PointOnLine,
     Prismatic,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
@@ -30,6 +32,7 @@ from duhamel.solver import (
     SteadyRotation,
     Torque,
     Universal,
+    ValidityWarning,
     check,
     linearize,
     simulate,
@@ -55,6 +58,46 @@ def warned(validity, criterion):
     """Whether a warning names it."""
     quantity = f": {CRITERIA[criterion].quantity}: "
     return any(quantity in line for line in validity.warnings)
+
+
+# Forces of joints
+
+
+@pytest.mark.parametrize("rho_inf", [0.6, 0.9, 0.97])
+@pytest.mark.parametrize(
+    ("step", "away", "mass"),
+    [(1e-5, 0.0, 1.0), (1e-6, 0.0, 1e-3), (1e-7, 0.0, 1.0), (1e-5, 1e3, 1.0)],
+)
+def test_noise_in_the_force_of_a_joint_is_told(step, away, mass, rho_inf):
+    """A pendulum that swings; a smooth force has no third differences, an alternating one all."""
+    bob = RigidBody(
+        mass,
+        [0.1 * mass] * 3,
+        {"eye": Frame([0, 1, 0])},
+        Start([away + 0.6, -0.8, 0], [0, 0, np.arctan2(0.6, 0.8)]),
+    )
+    model = Model(
+        {"bob": bob},
+        [Revolute("ground", "bob.eye", [0, 0, 1], name="pin")],
+        gravity=[0, -G, 0],
+        settings=Settings(t_end=3000 * step, step=step, rho_inf=rho_inf),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        results = simulate(model)
+    force = results.joint("pin").force[500:]
+    noise = np.sqrt((np.diff(force, 3, axis=0) ** 2).sum(axis=1).mean()) / 8.0
+    share = noise / np.abs(force).max()
+    (told,) = results.validity.values("force_noise").values()
+    assert share / 3.0 < told < 3.0 * share
+    assert warned(results.validity, "force_noise") == (told > CRITERIA["force_noise"].limit)
+
+
+def test_a_joint_of_a_model_at_rest_has_no_noise():
+    bodies = {"wheel": RigidBody(1.0, [1.0] * 3, {}, Start([0.3, 0.7, 1e3]))}
+    axle = [Revolute("ground", "wheel", [0.6, 0.8, 0], name="axle")]
+    results = simulate(Model(bodies, axle, settings=Settings(t_end=1e-4, step=1e-6)))
+    assert results.validity.values("force_noise") == {"axle": 0.0}
 
 
 # Axial loads

@@ -76,6 +76,16 @@ def test_nothing_outside_reaches_the_processes_of_a_sweep(study_file, monkeypatc
     assert [case.source.with_suffix(".listens").read_text() for case in cases] == ["[]", "[]"]
 
 
+def test_processes_import_nothing_from_the_folder_of_the_user(study_file, tmp_path, monkeypatch):
+    folder = tmp_path / "theirs"
+    folder.mkdir()
+    (folder / "multiprocessing.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    study = read_study(study_file())
+    monkeypatch.chdir(folder)
+    assert {row.status for row in sweep(study, workers=1)} == {"done"}
+    assert not (tmp_path / "ran").exists()
+
+
 def test_processes_end_with_the_sweep(study_file, monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parent)
     from deadly import Deadly

@@ -18,6 +18,8 @@ NAMES = {
     ("angular_acceleration:hub", "rad/s²"): "hub, angular acceleration",
     ("elastic_displacement:beam.tip:y", "m"): "beam tip, elastic displacement along y",
     ("elastic_rotation:beam.tip:z", "rad"): "beam tip, elastic rotation about z",
+    ("frame_force:beam.tip:x", "N"): "beam tip, force along x",
+    ("frame_moment:beam.tip:x", "N m"): "beam tip, moment about x",
     ("force:hinge 1.5:x", "N"): "hinge 1.5, force along x",
     ("moment:hinge:x", "N m"): "hinge, moment about x",
     ("coordinate:hinge:angle", "rad"): "hinge, angle",
@@ -31,12 +33,15 @@ NAMES = {
     ("impulse:stop", "N m s"): "stop, angular impulse",
     ("friction_force:corner 1:t1", "N"): "corner 1, friction force along t1",
     ("slip:corner 1:t2", "m/s"): "corner 1, slip along t2",
+    ("contact_normal:corner 1:z", "1"): "corner 1, normal along z",
+    ("contact_point:corner 1:z", "m"): "corner 1, point along z",
     ("contact_state:ends", "1"): "ends, state",
     ("strain:plate.gauge", "1"): "plate gauge, strain",
     ("stress:plate.middle:xx", "Pa"): "plate middle, stress xx",
     ("sensor_displacement:plate.middle:z", "m"): "plate middle, elastic displacement along z",
     ("sensor_acceleration:plate.middle:z", "m/s²"): "plate middle, acceleration along body z",
     ("pattern_load:plate.blast", "1"): "plate blast, amplitude of the load",
+    ("pattern_displacement:plate.blast", "J"): "plate blast, elastic displacement under the load",
     ("motor_torque:servo", "N m"): "servo, torque",
     ("motor_torque:jack", "N"): "jack, force",
     ("motor_reference:servo", "rad"): "servo, reference",
@@ -46,6 +51,8 @@ NAMES = {
     ("motor_state:servo", "1"): "servo, state",
     ("linear_momentum:x", "kg m/s"): "momentum along x",
     ("angular_momentum:z", "kg m²/s"): "angular momentum about z",
+    ("newton_iterations", "1"): "Newton iterations",
+    ("newton_residual", "1"): "Newton residual",
     ("energy:kinetic", "J"): "kinetic energy",
     ("energy:balance", "J"): "energy balance",
 }
@@ -58,7 +65,7 @@ def named(quantity, unit="m", treatment=(), run=""):
     found = Series(kind, tuple(names), axis, (), unit, np.zeros(1), np.zeros(1))
     results = SimpleNamespace(bodies=("hub", "beam"))
     words = (naming.kind(found), naming.owner(results, found), axis, *treatment)
-    return Curve(words, unit, np.zeros(1), along=naming.along(found), run=run)
+    return Curve(words, unit, np.zeros(1), along=KINDS[kind].preposition, run=run)
 
 
 @pytest.mark.parametrize(("quantity", "unit"), NAMES)

@@ -1,6 +1,6 @@
 """The plots of a report: their curves, thinned, and what stands beside them."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...results import QuantityError, Results
-from ...results.quantities import KINDS, evaluate
+from ...results.quantities import KINDS, evaluate, names_in_role
 from ...superelement.validation import Array
 from ..naming import in_full, title_and_labels
 from ..overview import overview
@@ -41,10 +41,10 @@ class Plot:
 def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
     """The plots by the heading above them; none where nothing was recorded."""
     yield "Overview", _overview(results)
-    yield "Forces", [*_forces(results)]
-    yield "Contacts", [*_contacts(results)]
-    yield "Motors", [*_of_kinds(results, results.motors, ("motor_torque", "motor_power"))]
-    yield "Sensors", [*_of_kinds(results, results.sensors, ("strain", "stress"))]
+    for section in dict.fromkeys(kind.section for kind in KINDS.values() if kind.section):
+        found = [name for name, kind in KINDS.items() if kind.section == section]
+        drawn = [plot for name in found for plot in _of_kind(results, name)]
+        yield section, [*drawn, *(_peaks_of_contacts(results) if section == "Contacts" else ())]
     yield "Solver", [*_solver(results)]
 
 
@@ -83,18 +83,8 @@ def _overview(results: Results) -> list[Plot]:
     return [Plot(title_and_labels(curves)[0], curves[0].unit, curves) for curves in panels]
 
 
-def _forces(results: Results) -> Iterator[Plot]:
-    """Lengths of the forces and moments of joints and springs."""
-    owners = [*results.joints, *results.springs]
-    for kind in ("force", "moment"):
-        found = [_length(results, kind, name) for name in owners]
-        yield from _largest(f"{kind} of joints and springs", found)
-    yield from _of_kinds(results, results.couplers, ("coupler_force",))
-
-
-def _contacts(results: Results) -> Iterator[Plot]:
-    owners = (*results.contacts, *results.stops)
-    yield from _of_kinds(results, owners, ("normal_force", "gap"))
+def _peaks_of_contacts(results: Results) -> Iterator[Plot]:
+    """The peak of each time that a contact or stop was closed."""
     for unit, names in _by_unit(results).items():
         events = [
             Curve(("", name, ""), unit, results.events[name].peak, results.events[name].start)
@@ -111,9 +101,7 @@ def _by_unit(results: Results) -> dict[str, list[str]]:
     """Contacts and stops by the unit of their force."""
     units: dict[str, list[str]] = {}
     for name in results.events:
-        units.setdefault(results.unit("events", name, "peak").replace(" s-1", "/s"), []).append(
-            name
-        )
+        units.setdefault(results.unit("events", name, "peak"), []).append(name)
     return units
 
 
@@ -127,22 +115,24 @@ def _solver(results: Results) -> Iterator[Plot]:
         yield Plot("relative residual of a step", "", [curve], logarithmic=True)
 
 
-def _of_kinds(results: Results, owners: Iterable[str], kinds: Sequence[str]) -> Iterator[Plot]:
-    """A plot for each kind, and for each unit that it has."""
-    owners = tuple(owners)
-    for kind in kinds:
-        found: list[Curve] = []
-        for name in owners:
-            with suppress(QuantityError):
-                found.append(_length(results, kind, name))
-        for unit in dict.fromkeys(curve.unit for curve in found):
-            alike = [curve for curve in found if curve.unit == unit]
-            yield from _largest(kind.replace("_", " "), alike)
+def _of_kind(results: Results, name: str) -> Iterator[Plot]:
+    """A plot of all that a kind is of, for each unit that it has."""
+    roles = [role for each in KINDS[name].names for role in each.split("|")]
+    owners = [owner for role in roles for owner in names_in_role(results, role)]
+    found: list[Curve] = []
+    for owner in owners if roles else [""]:
+        with suppress(QuantityError):
+            found.append(_length(results, name, owner))
+    title = name.replace("_", " ")
+    if len(roles) > 1:
+        title += f" of {' and '.join(f'{role.lower()}s' for role in roles)}"
+    for unit in dict.fromkeys(curve.unit for curve in found):
+        yield from _largest(title, [curve for curve in found if curve.unit == unit])
 
 
 def _length(results: Results, kind: str, name: str) -> Curve:
     """A number over time, or the length of a vector; of stresses the equivalent one."""
-    found = evaluate(results, f"{kind}:{name}")
+    found = evaluate(results, f"{kind}:{name}" if name else kind)
     values = found.values
     if values.ndim == 2:
         values = _equivalent(values) if len(KINDS[kind].axes) == 6 else _norm(values)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import MeshError
-from ..cells import DIMENSIONS
-from ..mesh import NONE, IntArray
+from ..cells import CELL_DIMENSIONS
+from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
 from .abaqus_deck import Keyword
 from .abaqus_parts import Instance, Sets, read_instances
@@ -44,7 +44,7 @@ def read(path: Path) -> Draft:
     nodes, elements = _Family("node", lost), _Family("element", lost)
     for name, instance in instances.items():
         nodes.add(name, instance.part.numbers, instance.part.nsets)
-        numbers = [NONE, *(numbers for _, numbers, _ in instance.part.elements)]
+        numbers = [NO_NODES, *(numbers for _, numbers, _ in instance.part.elements)]
         elements.add(name, np.concatenate(numbers), instance.part.elsets)
 
     labels = np.concatenate(
@@ -103,7 +103,7 @@ class _Family:
         path = (*inside, f"{instance}.{item.upper()}")
         if path[-1] in inside:
             raise MeshError(f"the {self._what} set {item!r} contains itself")
-        rows = [NONE]
+        rows = [NO_NODES]
         for entry in sets.entries[item.upper()]:
             holder = entry.instance or instance
             if holder not in self._instances:
@@ -164,7 +164,7 @@ class _Surfaces:
 
     def _mark_facets(self, group: str, kind: str, rows: IntArray, label: str) -> bool:
         """Put faces of cells into the group; false if the cells have no such face."""
-        if DIMENSIONS.get(kind) == 2 and label in ("", "SPOS", "SNEG"):
+        if CELL_DIMENSIONS.get(kind) == 2 and label in ("", "SPOS", "SNEG"):
             self._draft.mark(group, kind, rows)
             return True
         faces = {

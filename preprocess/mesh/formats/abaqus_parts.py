@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ....superelement.validation import Array
 from ...errors import MeshError
-from ..mesh import NONE, IntArray
+from ..mesh import NO_NODES, IntArray
 from .abaqus_deck import Keyword, keywords
 from .draft import not_in_the_body
 
@@ -209,7 +209,7 @@ def _add_elements(part: Part, keyword: Keyword) -> int | None:
     """Add the elements of a keyword, and give their number; None if their type makes no cells."""
     if keyword.get("INPUT"):
         raise MeshError(f"{keyword.location}: *ELEMENT: expected elements below it")
-    numbers = NONE
+    numbers = NO_NODES
     kinds = [
         (kind, k)
         for name, kind, k in _KINDS

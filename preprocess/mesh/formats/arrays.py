@@ -13,8 +13,7 @@ import numpy as np
 from ..mesh import IntArray
 from .draft import Draft
 
-MOST = 1000
-"""Distinct values of an array beyond which it makes no groups."""
+MAX_GROUP_VALUES = 1000  # distinct values beyond which an array makes no groups
 
 
 def mark_values(
@@ -26,9 +25,10 @@ def mark_values(
     distinct, which = np.unique(values.ravel().astype(np.int64), return_inverse=True)
     if len(distinct) == len(values) > 2:
         return
-    if len(distinct) > MOST:
+    if len(distinct) > MAX_GROUP_VALUES:
         draft.lost.append(
-            f"groups of the array {name!r}, which has {len(distinct)} values, more than {MOST}"
+            f"groups of the array {name!r}, which has {len(distinct)} values, more than "
+            f"{MAX_GROUP_VALUES}"
         )
         return
     for number, value in enumerate(distinct.tolist()):

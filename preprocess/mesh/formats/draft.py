@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ....superelement.validation import Array
-from ..cells import SOLIDS
-from ..mesh import NONE, Group, IntArray
+from ..cells import SOLID_TYPES
+from ..mesh import NO_NODES, Group, IntArray
 
 
 class Draft:
@@ -62,7 +62,7 @@ class Draft:
                 kind: np.unique(np.concatenate(rows))
                 for kind, rows in self._cells.get(name, {}).items()
             }
-            points = np.unique(np.concatenate([NONE, *self._points.get(name, [])]))
+            points = np.unique(np.concatenate([NO_NODES, *self._points.get(name, [])]))
             groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
         return {name: group for name, group in groups.items() if group.kinds}
 
@@ -75,7 +75,7 @@ def not_in_the_body(
     kinds: the types of all cells; structural: the numbers of shells, beams and the like by the
     names of their types in the deck, whose faces and lines serve as groups beside solids.
     """
-    if structural and not set(SOLIDS).isdisjoint(kinds):
+    if structural and not set(SOLID_TYPES).isdisjoint(kinds):
         counts = ", ".join(f"{count} {name}" for name, count in structural.items())
         yield (
             f"stiffness and mass of {counts}: beside solid elements, shells and beams serve as "
@@ -92,7 +92,7 @@ class Sequence:
     def __init__(self, draft: Draft) -> None:
         self._draft = draft
         self._kinds: list[str] = []
-        self._blocks: list[tuple[IntArray, IntArray]] = [(NONE, NONE)]
+        self._blocks: list[tuple[IntArray, IntArray]] = [(NO_NODES, NO_NODES)]
 
     def add(self, kind: str, nodes: IntArray) -> None:
         """The next elements, all of one type."""

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
-from ..cells import DIMENSIONS
-from ..mesh import NONE, IntArray
+from ..cells import CELL_DIMENSIONS
+from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
 from .draft import Draft
 from .numbers import BinaryNumbers, Numbers, TextNumbers
@@ -47,8 +47,7 @@ _ORDER = {
     "hexahedron20": [*range(8), *_EDGES],
     "hexahedron27": [*range(8), *_EDGES, 22, 23, 21, 24, 20, 25, 26],
 }
-LONGEST_COUNT = 64
-"""bytes of a line with a count"""
+LONGEST_COUNT = 64  # bytes of a line with a count
 _SECTION = re.compile(rb"\s*\$(\w+)[ \t]*\r?\n")
 _PHYSICAL = ("physical point", "physical curve", "physical surface", "physical volume")
 
@@ -179,7 +178,9 @@ def _read2(
         for tag in np.unique(rows[:, 0]):
             if tag:
                 draft.mark(
-                    _name(names, DIMENSIONS.get(kind, 3), int(tag)), kind, row[rows[:, 0] == tag]
+                    _name(names, CELL_DIMENSIONS.get(kind, 3), int(tag)),
+                    kind,
+                    row[rows[:, 0] == tag],
                 )
     return draft
 
@@ -219,7 +220,7 @@ def _read4(
     groups = _entities(form.numbers(sections["Entities"])) if "Entities" in sections else {}
     numbers = form.numbers(sections["Nodes"])
     blocks, count, _, _ = numbers.table(1, ("u", 4))[0][0].tolist()
-    given, points = [NONE], [np.zeros((0, 3))]
+    given, points = [NO_NODES], [np.zeros((0, 3))]
     for _ in range(blocks):
         (((dimension, _, parametric),), ((length,),)) = numbers.table(1, ("i", 3), ("u", 1))
         if dimension not in range(4):

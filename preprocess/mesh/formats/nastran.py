@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
-from ..mesh import NONE
+from ..mesh import NO_NODES
 from ..numbering import Numbering
 from .draft import Draft, not_in_the_body
 from .nastran_deck import Card, read_cards
@@ -149,7 +149,7 @@ def _add_points(draft: Draft, card: Card, numbering: Numbering) -> None:
             ranges = card.ranges(4)
         case _:
             ranges = card.ranges(3)
-    rows = np.concatenate([NONE, *map(numbering.within, ranges)])
+    rows = np.concatenate([NO_NODES, *map(numbering.within, ranges)])
     if not len(rows):
         draft.lost.append(
             f"{card.name} {card.integer(2)} ({card.location}), which names no grid points"

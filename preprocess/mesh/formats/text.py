@@ -7,10 +7,8 @@ from typing import NamedTuple
 from ....files import require_regular
 from ...errors import MeshError
 
-MOST_FILES = 1000
-"""that may be read for one mesh, each as often as it is included"""
-DEEPEST = 20
-"""files that include one another"""
+MOST_FILES = 1000  # that may be read for one mesh, each as often as it is included
+MAX_INCLUDE_DEPTH = 20
 
 
 class Line(NamedTuple):
@@ -38,9 +36,10 @@ def lines(
     path, read = path.resolve(), [] if read is None else read
     if path in inside:
         raise MeshError(f"{path.name} includes itself")
-    if len(read) == MOST_FILES or len(inside) == DEEPEST:
+    if len(read) == MOST_FILES or len(inside) == MAX_INCLUDE_DEPTH:
         raise MeshError(
-            f"{path.name}: expected at most {MOST_FILES} files, {DEEPEST} deep, that are included"
+            f"{path.name}: expected at most {MOST_FILES} files, {MAX_INCLUDE_DEPTH} deep, that are "
+            "included"
         )
     read.append(path)
     for number, text in enumerate(_text(path).splitlines(), 1):

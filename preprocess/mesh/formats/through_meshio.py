@@ -47,13 +47,20 @@ _PARSER_FAILURES = (
 def read(path: Path) -> Draft:
     """A mesh in a format that meshio knows; `MeshError` for other suffixes and damaged files."""
     mesh, complaints = _parse(path)
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : np.shape(mesh.points)[1]] = mesh.points
-    draft = Draft(points, complaints)
+    draft = draft_of(mesh)
+    draft.lost += complaints
     if path.suffix.lower() not in _KEPT:
         draft.lost.append(
             f"groups that meshio does not keep of {path.suffix} files, if there are any"
         )
+    return draft
+
+
+def draft_of(mesh: meshio.Mesh) -> Draft:
+    """A mesh of meshio with its sets, and the groups of its arrays of integers."""
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : np.shape(mesh.points)[1]] = mesh.points
+    draft = Draft(points)
     sequence, firsts = Sequence(draft), []
     for block in mesh.cells:
         firsts.append(len(sequence))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....superelement.validation import Array
 from ...errors import MeshError
-from ..mesh import NONE, IntArray
+from ..mesh import NO_NODES, IntArray
 from .arrays import mark_values
 from .draft import Draft, Sequence
 from .xdmf_items import DataItems
@@ -38,8 +38,7 @@ _KINDS = {
     "hexahedron_20": ("hexahedron20", 48, 20),
     "hexahedron_27": ("hexahedron27", 50, 27),
 }
-DEEPEST = 20
-"""grids within one another"""
+MAX_GRID_DEPTH = 20
 _SHORT = {"quad": "quadrilateral", "tri": "triangle", "tet": "tetrahedron", "hex": "hexahedron"}
 _BY_NUMBER = {number: (kind, k) for kind, number, k in _KINDS.values()}
 
@@ -57,7 +56,7 @@ def read(path: Path) -> Draft:
     draft = Draft(np.concatenate(points), lost)
 
     rows_of = np.split(np.arange(len(draft.points)), np.cumsum([len(part) for part in points])[:-1])
-    sequence, elements_of_first = Sequence(draft), NONE
+    sequence, elements_of_first = Sequence(draft), NO_NODES
     for grid in grids:
         # A grid without points or cells of its own is on those of the first one, which it includes
         # by reference.
@@ -90,8 +89,8 @@ def _grids(
     parent: ElementTree.Element, lost: list[str], depth: int = 1
 ) -> list[ElementTree.Element]:
     """The uniform grids below an element, of those in time only the first."""
-    if depth > DEEPEST:
-        raise MeshError(f"expected at most {DEEPEST} grids within one another, found more")
+    if depth > MAX_GRID_DEPTH:
+        raise MeshError(f"expected at most {MAX_GRID_DEPTH} grids within one another, found more")
     grids = []
     for grid in [*parent.findall("Domain/Grid"), *parent.findall("Grid")]:
         if grid.get("GridType", "Uniform") == "Uniform":

@@ -5,7 +5,7 @@ no material is.
 import numpy as np
 import pytest
 from duhamel.preprocess import assemble
-from duhamel.preprocess.body.material import STRESSES, Material
+from duhamel.preprocess.body.material import STRESS_ORDER, Material
 from pydantic import ValidationError
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
@@ -76,9 +76,9 @@ def test_the_matrix_and_the_tensor_give_the_same_stress():
     strain = np.random.default_rng(0).normal(size=(3, 3))
     strain += strain.T
     stress = np.einsum("ijkl,kl->ij", material.elasticity_tensor, strain)
-    engineering = [strain[i, j] * (1 if i == j else 2) for i, j in STRESSES]
+    engineering = [strain[i, j] * (1 if i == j else 2) for i, j in STRESS_ORDER]
     np.testing.assert_allclose(
-        material.elasticity @ engineering, [stress[i, j] for i, j in STRESSES], rtol=1e-12
+        material.elasticity @ engineering, [stress[i, j] for i, j in STRESS_ORDER], rtol=1e-12
     )
 
 

@@ -11,7 +11,7 @@ import skfem
 from duhamel.preprocess import MeshError, assemble
 from duhamel.preprocess.body.material import Material
 from duhamel.preprocess.elements.element import solid_element
-from duhamel.preprocess.elements.solid import BATCH, solid_matrices
+from duhamel.preprocess.elements.solid import GRADIENT_BATCH, solid_matrices
 from duhamel.preprocess.mesh.mesh import Mesh
 from skfem.helpers import ddot, dot, sym_grad
 
@@ -151,7 +151,7 @@ def test_batches_and_materials_add_up():
     themselves.
     """
     mesh = curved("tetra", (12, 12, 4))
-    assert mesh.n_elements > BATCH / (3 * 4 * 4)
+    assert mesh.n_elements > GRADIENT_BATCH / (3 * 4 * 4)
     owners = np.arange(mesh.n_elements) % 2
     K, M = matrices(mesh, STEEL, WOOD, owners=owners)
     cells = mesh.cells["tetra"]
@@ -272,7 +272,7 @@ def test_pieces_and_threads_change_no_bit(monkeypatch, number, kind):
     expected = matrices(mesh, WOOD)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: range(2), raising=False)
     monkeypatch.setenv("OMP_NUM_THREADS", number)
-    monkeypatch.setattr("duhamel.preprocess.elements.assembly_map.PIECE", 50)
+    monkeypatch.setattr("duhamel.preprocess.elements.assembly_map.BLOCKS_PER_PIECE", 50)
     for found, whole in zip(matrices(mesh, WOOD), expected, strict=True):
         assert (found != whole).nnz == 0
         assert found.nnz == whole.nnz

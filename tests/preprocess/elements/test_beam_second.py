@@ -73,7 +73,7 @@ def test_few_elements_at_a_time_give_the_same(frame, monkeypatch):
     structure, second = frame
     motions = elastic(structure, 4)
     expected = second.third(motions[:, :2], motions)
-    monkeypatch.setattr(beam_second, "BATCH", 1)
+    monkeypatch.setattr(beam_second, "BEAM_BATCH", 1)
     found = second.third(motions[:, :2], motions)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * np.abs(expected).max())
 
@@ -83,7 +83,7 @@ def reissner(section, L):
     p = beam_properties([section], np.array([L]))
     C = np.array([section.EA, section.GA_y, section.GA_z, section.GJ, section.EI_y, section.EI_z])
     e1 = np.array([1.0, 0.0, 0.0])
-    xi, weights = beam_second.STATIONS
+    xi, weights = beam_second.BEAM_GAUSS_POINTS
 
     def energy(d):
         total = 0.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshError, assemble
-from duhamel.preprocess.mesh.cells import FACETS
+from duhamel.preprocess.mesh.cells import FACET_TYPES
 from duhamel.preprocess.mesh.facets import facets_of
 from duhamel.preprocess.mesh.reading import read_mesh
 
@@ -82,7 +82,7 @@ def test_sides_have_their_middles_between_their_corners(save, box, kind):
     facets = facets_of(mesh)
     numbers = np.arange(facets.count)
     for facet, nodes in facets.patch(numbers).items():
-        c, points = FACETS[facet].corners, mesh.points
+        c, points = FACET_TYPES[facet].corners, mesh.points
         ring = points[nodes[:, :c]]
         if nodes.shape[1] >= 2 * c:
             middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
@@ -91,7 +91,7 @@ def test_sides_have_their_middles_between_their_corners(save, box, kind):
             np.testing.assert_allclose(points[nodes[:, 8]], ring.mean(axis=1), rtol=0, atol=1e-15)
     middle = np.array([0.5, 0.5, 0.5])
     for facet, nodes in facets.patch(numbers[facets.boundary]).items():
-        ring = mesh.points[nodes[:, : FACETS[facet].corners]]
+        ring = mesh.points[nodes[:, : FACET_TYPES[facet].corners]]
         outward = np.cross(ring[:, 1] - ring[:, 0], ring[:, 2] - ring[:, 1])
         assert (np.einsum("fi,fi->f", outward, ring.mean(axis=1) - middle) > 0).all()
 

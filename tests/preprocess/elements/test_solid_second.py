@@ -83,7 +83,7 @@ def test_elements_of_several_types_and_few_at_a_time(solids, monkeypatch):
     energy = strain_energy(solid.mesh, solid.materials, solid.owners)
     expected = mixed(energy, list(motions.T))
     assert D3[0, 1, 2] == pytest.approx(expected, abs=1e-10 * np.abs(D3).max())
-    monkeypatch.setattr(solid_second, "BATCH", 1)
+    monkeypatch.setattr(solid_second, "PRODUCT_BATCH", 1)
     found = (solid.third(motions, motions), *solid.quartic(motions, None))
     for one, other in zip(found, (D3, E, Q), strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max())

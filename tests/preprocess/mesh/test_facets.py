@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.preprocess.mesh import facets as module
-from duhamel.preprocess.mesh.cells import FACETS, SOLIDS
+from duhamel.preprocess.mesh.cells import FACET_TYPES, SOLID_TYPES
 from duhamel.preprocess.mesh.facets import facets_of
 from duhamel.preprocess.mesh.mesh import Mesh
 
@@ -14,7 +14,7 @@ from ..blocks import solid_cells
 def largest(request, monkeypatch):
     """Keys as they are in small meshes, and in those whose nodes do not fit into one number."""
     if request.param is not None:
-        monkeypatch.setattr(module, "LARGEST", request.param)
+        monkeypatch.setattr(module, "MAX_ROW_KEY", request.param)
 
 
 def shuffled(kind):
@@ -30,12 +30,12 @@ def test_every_face_is_there_once(kind, largest):
     facets = facets_of(mesh)
     beside: dict[frozenset[int], list[int]] = {}
     for element, nodes in enumerate(mesh.cells[kind]):
-        for facet, locals_ in SOLIDS[kind].facets.items():
+        for facet, locals_ in SOLID_TYPES[kind].facets.items():
             for local in locals_:
-                corners = nodes[local[: FACETS[facet].corners]]
+                corners = nodes[local[: FACET_TYPES[facet].corners]]
                 beside.setdefault(frozenset(corners.tolist()), []).append(element)
     found = [
-        frozenset(row[: FACETS[facet].corners].tolist())
+        frozenset(row[: FACET_TYPES[facet].corners].tolist())
         for facet, rows in facets.nodes.items()
         for row in rows
     ]
@@ -50,7 +50,7 @@ def test_facets_are_found_by_their_corners_in_any_order(kind, largest):
     facets = facets_of(shuffled(kind))
     rng = np.random.default_rng(1)
     for facet, rows in facets.nodes.items():
-        corners = rows[::3, : FACETS[facet].corners]
+        corners = rows[::3, : FACET_TYPES[facet].corners]
         turned = rng.permuted(corners, axis=1)
         strange = turned[:1].copy()
         strange[0, 0] = turned.max() + 5

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ..blocks import SOLIDS, named, solid_cells
+from ..blocks import SOLID_TYPES, named, solid_cells
 
 # The extra `mpi` asks for these; elsewhere there is nothing that could be installed.
 HAS_WHEELS = (
@@ -82,7 +82,7 @@ def bar(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         grid, cells = solid_cells("tetra10", divisions)
         middle = grid[cells[:, :4], 0].mean(axis=1) < divisions[0]
         parts = [("front", "tetra10", cells[middle]), ("back", "tetra10", cells[~middle])]
-        faces = cells[:, SOLIDS["tetra10"].facets["triangle6"]].reshape(-1, 6)
+        faces = cells[:, SOLID_TYPES["tetra10"].facets["triangle6"]].reshape(-1, 6)
         for name, x in (("root", 0), ("tip", 2 * divisions[0])):
             parts.append((name, "triangle6", faces[(grid[faces, 0] == x).all(axis=1)]))
         mesh = named(grid * 0.01 / 2 * 2 / divisions[1], parts)

@@ -106,7 +106,7 @@ def test_modes_are_complete(solid_body, box, kind):
 def test_auto_takes_all_modes_of_small_bodies_and_krylov_for_others(beam_body, beam, monkeypatch):
     body = beam_body(beam(3))
     by_modes = build(body)
-    monkeypatch.setattr("duhamel.preprocess.responses.impulse.SMALL", 23)
+    monkeypatch.setattr("duhamel.preprocess.responses.impulse.FULL_MODAL_UNKNOWNS", 23)
     by_krylov = build(body)
     assert (by_modes.provenance.method, by_krylov.provenance.method) == ("modal", "krylov")
     assert (by_modes.kernel.band, by_krylov.kernel.band) == (None, 2500.0)
@@ -117,7 +117,7 @@ def test_auto_takes_all_modes_of_small_bodies_and_krylov_for_others(beam_body, b
 def test_methods_say_what_they_cannot_do(beam_body, beam, monkeypatch):
     with pytest.raises(MethodError, match=r"march takes no modal damping.*damping.rayleigh"):
         build(beam_body(beam(3), impulse=PAPER | {"method": "march"}, damping={"modal": 0.01}))
-    monkeypatch.setattr("duhamel.preprocess.responses.modal.LIMIT", 23)
+    monkeypatch.setattr("duhamel.preprocess.responses.modal.MODAL_LIMIT", 23)
     with pytest.raises(
         MethodError, match="modal takes up to 23 unknowns, found 24: use method krylov"
     ):

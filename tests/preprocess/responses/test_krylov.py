@@ -15,9 +15,11 @@ from duhamel.preprocess.responses.basis import Basis
 from duhamel.preprocess.responses.condensation import condensed
 from duhamel.preprocess.responses.damping import damping_ratios
 from duhamel.preprocess.responses.krylov import KrylovSpace
+from duhamel.preprocess.responses.lowest import first_square
 from duhamel.preprocess.responses.march import march_kernel
 from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
 from duhamel.preprocess.responses.search import krylov_modes
+from duhamel.preprocess.solving.gradients import NotConvergedError
 from duhamel.preprocess.solving.solver import Patient, factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
 
@@ -421,7 +423,7 @@ def test_a_superelement_states_its_error_and_what_it_is_good_for(solid_body, box
 def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short_of):
     structure, h = block
     if short_of == "vectors":
-        monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", 30)
+        monkeypatch.setattr("duhamel.preprocess.responses.krylov.MAX_KRYLOV_VECTORS", 30)
     else:
         for place in ("available", "scratch"):
             monkeypatch.setattr(
@@ -443,7 +445,7 @@ def test_no_room_for_the_fewest_blocks_is_told(block, monkeypatch):
     structure, h = block
     n_c = structure.P_C.shape[0]
     room = 6 + 2 * n_c - 1
-    monkeypatch.setattr("duhamel.preprocess.responses.krylov.LIMIT", room)
+    monkeypatch.setattr("duhamel.preprocess.responses.krylov.MAX_KRYLOV_VECTORS", room)
     message = f"2 blocks of {n_c} vectors, the fewest, take more than the {room} vectors that there"
     with pytest.raises(MethodError, match=message):
         krylov_modes(
@@ -487,6 +489,26 @@ def test_a_mechanism_is_told(beam_body, beam, section):
 
 
 # Without a factor
+
+
+@pytest.mark.parametrize(
+    ("size", "divisions"), [((0.5, 0.25, 0.0025), (8, 4, 1)), ((2.0, 0.02, 0.02), (40, 2, 2))]
+)
+def test_thin_bodies_need_no_factor(solid_body, box, size, divisions):
+    """A plate and a bar for whose low shift single precision is not enough: a higher one is."""
+    impulse = {"step": 1e-5, "steps": 20, "band": 400.0, "method": "krylov", "solver": "iterative"}
+    body = solid_body(box("hexahedron", size, divisions), impulse=impulse)
+    structure = assemble(body)
+    with pytest.raises(NotConvergedError, match="single precision"):
+        iterated(structure, 0.1 * first_square(structure), "S", 1e-5)(structure.loads)
+    found, truth = build(body), elastic_modes(structure, NONE)
+    assert found.kernel.error <= 1e-5
+    frequencies = found.modes.frequencies
+    inside = frequencies[frequencies < 400.0]
+    np.testing.assert_allclose(inside, truth.frequencies[: len(inside)], rtol=1e-6)
+    scale = np.sqrt(np.diag(truth.compliance))
+    missing = np.abs(found.compliance - truth.compliance) / np.outer(scale, scale)
+    assert missing.max() <= 2.0 * found.kernel.error
 
 
 @pytest.mark.parametrize("fields", [False, True])

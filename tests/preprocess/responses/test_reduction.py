@@ -179,7 +179,7 @@ def test_lanczos_finds_what_the_dense_solver_finds(solid_body, box, monkeypatch,
     """A square bar: all modes of bending are twofold."""
     structure = assemble(solid_body(box("hexahedron20", (0.2, 0.03, 0.03), (6, 1, 1))))
     expected = METHODS[method](structure, NONE, 21).modes
-    monkeypatch.setattr(held, "SMALL", 0)
+    monkeypatch.setattr(held, "FULL_MODAL_UNKNOWNS", 0)
     called = []
     monkeypatch.setattr(held, "_of_all", lambda *_: called.append(1))
     found = METHODS[method](structure, NONE, 21).modes
@@ -204,7 +204,7 @@ def test_a_mode_that_lanczos_missed_is_found_beside_the_others(solid_body, box, 
         kept = np.arange(count + 1) != 1
         return held.HeldModes(found.squares[kept], found.shapes[:, kept])
 
-    monkeypatch.setattr(held, "SMALL", 0)
+    monkeypatch.setattr(held, "FULL_MODAL_UNKNOWNS", 0)
     monkeypatch.setattr(held, "_lanczos", forgetful)
     found = held_modes(structure, rows, 6, 1e7)
     assert len(calls) > 2
@@ -212,8 +212,8 @@ def test_a_mode_that_lanczos_missed_is_found_beside_the_others(solid_body, box, 
 
 
 def test_more_modes_than_there_is_time_for(structure, monkeypatch):
-    monkeypatch.setattr(held, "SMALL", 10)
-    monkeypatch.setattr(held, "LIMIT", 10)
+    monkeypatch.setattr(held, "FULL_MODAL_UNKNOWNS", 10)
+    monkeypatch.setattr(held, "MODAL_LIMIT", 10)
     with pytest.raises(MethodError, match=r"modes: expected up to \d+ of a mesh of \d+ unknowns, "):
         rubin(structure, NONE, structure.n_u // 2)
 
@@ -224,7 +224,7 @@ def test_the_stated_error_is_that_beside_all_modes(
     solid_body, box, method, count, small, monkeypatch
 ):
     """Looked at on frequencies of its own, in the band that the file states."""
-    monkeypatch.setattr(truncated, "SMALL", small)
+    monkeypatch.setattr(truncated, "FULL_MODAL_UNKNOWNS", small)
     body = solid_body(box("hexahedron20", (0.2, 0.05, 0.03), (5, 1, 1)))
     impulse = body.impulse.model_copy(update={"step": 1e-5, "steps": 200})
     body = body.model_copy(update={"impulse": impulse}).with_modes(method, count)
@@ -242,7 +242,7 @@ def test_more_modes_are_right_in_a_wider_band(solid_body, box, method):
     body = solid_body(box("hexahedron20", (0.2, 0.05, 0.03), (5, 1, 1)), impulse=impulse)
     found = [build(body.with_modes(method, count)).kernel for count in (16, 64)]
     assert all(b.band > a.band for a, b in pairwise(found))
-    assert all(kernel.error <= truncated.RIGHT for kernel in found)
+    assert all(kernel.error <= truncated.TRUNCATION_ERROR for kernel in found)
 
 
 def test_too_few_modes_say_that_they_are_wrong_everywhere(beam_body, beam):

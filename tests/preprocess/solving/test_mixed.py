@@ -33,7 +33,7 @@ def test_what_single_precision_cannot_hold_is_factorized_in_double(beam_body, be
 
 
 def test_large_bodies_have_such_a_factor_unless_they_ask_for_another(solid_body, box, monkeypatch):
-    monkeypatch.setattr(solver, "MIXED", 1000)
+    monkeypatch.setattr(solver, "MIN_MIXED_UNKNOWNS", 1000)
     monkeypatch.setattr(solver.Costs, "cheaper", "factor")
     impulse = {"step": 2e-5, "steps": 100, "method": "krylov"}
     made = {}
@@ -55,7 +55,7 @@ def test_large_bodies_have_such_a_factor_unless_they_ask_for_another(solid_body,
 
 
 def test_the_choice_of_a_large_body_is_such_a_factor(solid_body, box, monkeypatch):
-    monkeypatch.setattr(solver, "MIXED", 1000)
+    monkeypatch.setattr(solver, "MIN_MIXED_UNKNOWNS", 1000)
     monkeypatch.setattr(solver.Costs, "cheaper", "factor")
     structure = assemble(solid_body(box("tetra10", (0.4, 0.1, 0.1), (8, 2, 2))))
     assert isinstance(cheaper(structure, 1e9, "S", 1e-5)._solve, MixedFactor)

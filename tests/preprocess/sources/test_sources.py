@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 from duhamel.preprocess import Body, BodyError, assemble
 from duhamel.preprocess.assembly.structure import assemble_on
-from duhamel.preprocess.mesh.cells import SOLIDS
+from duhamel.preprocess.mesh.cells import SOLID_TYPES
 from duhamel.preprocess.mesh.mesh import Mesh
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.sources import solids
@@ -83,12 +83,12 @@ def test_a_survey_finds_facets_and_frames_once(solid_body, box, monkeypatch):
     assert found.masses["tip"] is found.interfaces["tip"]
 
 
-@pytest.mark.parametrize("solid", SOLIDS)
+@pytest.mark.parametrize("solid", SOLID_TYPES)
 def test_a_solid_is_one_record(solid, solid_body, box, monkeypatch):
     """Under another name, which stands in one table alone, it gives the same to the last bit."""
     body = solid_body(box(solid), recovery={"stress": True})
     source = read_mesh_source(body)
-    monkeypatch.setitem(SOLIDS, "another", replace(SOLIDS[solid]))
+    monkeypatch.setitem(SOLID_TYPES, "another", replace(SOLID_TYPES[solid]))
     mesh = source.mesh
     cells = {"another" if kind == solid else kind: rows for kind, rows in mesh.cells.items()}
     groups = {}

@@ -1,6 +1,5 @@
 """What a report leaves out, and what it must not."""
 
-from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -8,6 +7,7 @@ import k3d
 import numpy as np
 import pytest
 from duhamel import solver
+from duhamel.results.motion import BodyMotion, FrameMotion
 from duhamel.superelement.figures import sphere
 from duhamel.view.report.motion import TURN, motion
 from duhamel.view.report.plots import drawing, plots
@@ -171,11 +171,11 @@ class _Moved:
 
     def body(self, name):
         motion = self._results.body(name)
-        return replace(motion, x=motion.x + AWAY)
+        return BodyMotion(vars(motion) | {"x": motion.x + AWAY})
 
     def frame(self, name):
         motion = self._results.frame(name)
-        return replace(motion, position=motion.position + AWAY)
+        return FrameMotion(vars(motion) | {"position": motion.position + AWAY})
 
 
 def test_a_run_of_one_step_has_a_scene(beam_file):
@@ -199,6 +199,6 @@ class _Spinning(_Moved):
 
     def body(self, name):
         motion = self._results.body(name)
-        return replace(motion, v=motion.v + np.array([0, 0, 0, 0, 0, 3000.0]))
+        return BodyMotion(vars(motion) | {"v": motion.v + np.array([0, 0, 0, 0, 0, 3000.0])})
 
     frame = property(lambda self: self._results.frame)

@@ -4,7 +4,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.preprocess import MeshWarning
-from duhamel.preprocess.mesh.formats.arrays import MOST
+from duhamel.preprocess.mesh.formats.arrays import MAX_GROUP_VALUES
 from duhamel.preprocess.mesh.reading import read_mesh
 
 from .geometry import eccentricity, places, volume
@@ -31,7 +31,7 @@ def test_boxes(box, save, kind, version):
 
 def test_arrays_that_tell_no_groups(beam, save):
     """Numbers of the cells, and reals; too many values are told."""
-    cells = 2 * MOST + 4
+    cells = 2 * MAX_GROUP_VALUES + 4
     mesh = meshio.Mesh(beam(cells).points, [beam(cells).cells[2]])
     mesh.cell_data = {
         "number": [np.arange(cells)],
@@ -39,7 +39,8 @@ def test_arrays_that_tell_no_groups(beam, save):
         "pair": [np.arange(cells) // 2],
     }
     with pytest.warns(
-        MeshWarning, match=f"left out: groups of the array 'pair', which has {MOST + 2} values"
+        MeshWarning,
+        match=f"left out: groups of the array 'pair', which has {MAX_GROUP_VALUES + 2} values",
     ):
         assert not read_mesh(save(mesh, "mesh.vtu", "vtu", compression=None, binary=True)).groups
 

@@ -1,11 +1,17 @@
-"""The table of variables: whole, without doubles, and the same in the documentation."""
+"""The records of quantities: whole, without doubles, and the same in the documentation."""
 
+import ast
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from duhamel.results import motion, schema
+from duhamel.results import motion
+from duhamel.results.batches import FURTHER_WORKS
+from duhamel.results.contents import table
+from duhamel.results.dimensions import DIMENSIONS
+from duhamel.results.quantity import readable
 from duhamel.results.rotations import apply_tangent
 from duhamel.solver import ModelError, read_model
 from duhamel.solver.lower.allocation import make_output as make_room
@@ -24,20 +30,20 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
 def test_every_field_of_the_output_is_recorded_once_for_each_kind_of_owner():
     taken = [
         (quantity.source, quantity.owned and quantity.owned.name)
-        for quantity in (*schema.QUANTITIES, *schema.SOURCES)
+        for quantity in motion.QUANTITIES
         if quantity.source
     ]
     assert len(set(taken)) == len(taken)
-    assert {source for source, _ in taken} == set(Output.layout)
+    assert {source for source, _ in taken} | set(FURTHER_WORKS) == set(Output.layout)
 
 
 def test_names_dimensions_and_units():
-    names = [quantity.name for quantity in schema.QUANTITIES]
+    names = [quantity.name for quantity in motion.QUANTITIES]
     assert len(set(names)) == len(names)
-    assert not set(names[1:]) & set(schema.DIMENSIONS)  # netCDF takes these for coordinates
-    for quantity in schema.QUANTITIES:
+    assert not set(names[1:]) & set(DIMENSIONS)  # netCDF takes these for coordinates
+    for quantity in motion.QUANTITIES:
         assert quantity.dimensions[0] == "time"
-        assert set(quantity.dimensions) <= set(schema.DIMENSIONS)
+        assert set(quantity.dimensions) <= set(DIMENSIONS)
         assert (quantity.source == "") == (quantity.derive is not None)
         owned = quantity.owned
         angular = bool(owned and (owned.ragged or owned.name in MIXED))
@@ -48,27 +54,51 @@ def test_names_dimensions_and_units():
             assert re.fullmatch(known, unit), unit
 
 
+def described():
+    """The fields of the classes of motion.py that are quantities: class, field, the text below."""
+    for node in ast.parse(Path(motion.__file__).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef):
+            for field, below in pairwise(node.body):
+                if isinstance(field, ast.AnnAssign) and field.value is not None:
+                    known = isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant)
+                    text = " ".join(below.value.value.split()) if known else ""
+                    yield node.name, field.target.id, text
+
+
+@pytest.mark.parametrize(("kind", "field", "text"), tuple(described()))
+def test_editors_show_what_the_record_says(kind, field, text):
+    """The strings below fields are for editors, which cannot read records."""
+    if not field.startswith("_"):
+        record = vars(getattr(motion, kind))[field]
+        assert text.startswith(repr(record))
+
+
+def test_every_quantity_is_a_field():
+    fields = {(getattr(motion, kind).group, field) for kind, field, _ in described()}
+    for quantity in motion.QUANTITIES[1:]:
+        if "{}" not in quantity.attribute and quantity.name != "spring_coordinate":
+            assert (quantity.group, quantity.attribute) in fields
+
+
 @pytest.mark.parametrize(
-    ("group", "kind"),
+    ("unit", "read"),
     [
-        ("bodies", motion.BodyMotion),
-        ("frames", motion.FrameMotion),
-        ("energy", motion.Energy),
-        ("motors", motion.MotorMotion),
-        ("patterns", motion.PatternMotion),
-        ("sensors", motion.SensorMotion),
-        ("events", motion.Events),
-        ("momentum", motion.Momentum),
+        ("m", "m"),
+        ("1", "1"),
+        ("s-1", "1/s"),
+        ("m s-1", "m/s"),
+        ("rad s-2", "rad/s²"),
+        ("N m s", "N m s"),
+        ("kg m2 s-1", "kg m²/s"),
+        ("Pa s-2", "Pa/s²"),
     ],
 )
-def test_attributes_are_those_of_the_records_that_readers_give(group, kind):
-    quantities = (*schema.QUANTITIES, *schema.EVENTS)
-    attributes = {quantity.attribute for quantity in quantities if quantity.group == group}
-    assert attributes == set(kind.__dataclass_fields__)
+def test_units_as_a_person_writes_them(unit, read):
+    assert readable(unit) == read
 
 
 def test_the_documentation_has_the_table():
-    assert schema.table() in DOCUMENT.read_text(encoding="utf-8")
+    assert table() in DOCUMENT.read_text(encoding="utf-8")
 
 
 def test_derived_energies():
@@ -76,7 +106,7 @@ def test_derived_energies():
     found = batch(output, 0, 5)
     kinetic, elastic, springs = output.kinetic_energy, output.elastic_energy, output.spring_energy
     potential, work = output.potential_energy, output.external_work
-    by_name = {quantity.name: quantity for quantity in schema.QUANTITIES}
+    by_name = {quantity.name: quantity for quantity in motion.QUANTITIES}
     axes = make_contents().axes
     dissipated = by_name["dissipated_energy"].take(found, axes)
     by_springs = -output.compliance_work - springs + 2.0

@@ -1,0 +1,38 @@
+"""Body files from bodies that were made or changed in Python."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from ...files import renamed_when_whole
+from ...inputs import toml_of
+from ..mesh.mesh import Mesh
+from ..mesh.writing import write_mesh
+from .body import Body
+
+
+def write_body(body: Body, path: str | os.PathLike[str]) -> None:
+    """Write a body as a file that reads back to an equal one; it appears whole or not at all.
+
+    Paths of meshes and matrices are relative to the new file. A mesh in memory is written beside
+    it, as a file of VTK with the same name.
+    """
+    path = Path(path)
+    table = body.model_dump(exclude_unset=True, exclude_none=True)
+    if isinstance(body.mesh, Mesh):
+        beside = path.with_suffix(".vtu")
+        write_mesh(body.mesh, beside)
+        table["mesh"] = beside.name
+    with renamed_when_whole(path) as temporary:
+        temporary.write_text(toml_of(_in_file(table, path.parent)), encoding="utf-8")
+
+
+def _in_file(value: Any, folder: Path) -> Any:
+    """Values as TOML has them: paths relative to the folder of the file."""
+    if isinstance(value, dict):
+        return {key: _in_file(item, folder) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_file(item, folder) for item in value]
+    if isinstance(value, Path):
+        return os.path.relpath(value, folder)
+    return value

@@ -1,0 +1,89 @@
+"""Rows that the time loop hands over, and what is derived from them."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..superelement.validation import Array
+
+
+class Energies(NamedTuple):
+    """Energies of a step [J] that others are measured from."""
+
+    springs: float
+    total: float
+
+    @classmethod
+    def of(cls, output: Any) -> "Energies":
+        """Those of the first row of an output."""
+        springs, *others = (getattr(output, name)[0] for name in STORED)
+        return cls(float(springs), float(sum(others, springs)))
+
+
+class EventRows(NamedTuple):
+    """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
+
+    owner: NDArray[np.int64]
+    values: Array
+
+    @classmethod
+    def none(cls) -> "EventRows":
+        return cls(np.empty(0, dtype=np.int64), np.empty((0, 9)))
+
+    @classmethod
+    def joined(cls, parts: Sequence["EventRows"]) -> "EventRows":
+        owners, values = zip(cls.none(), *parts, strict=True)
+        return cls(np.concatenate(owners), np.concatenate(values))
+
+
+class Batch(NamedTuple):
+    """Steps (n,) that the time loop recorded in the first rows of its output.
+
+    With the step size h [s], the energies of t = 0, and the contacts that ended meanwhile.
+    """
+
+    steps: Any
+    h: float
+    output: Any
+    start: Energies
+    events: EventRows = EventRows.none()
+
+
+STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
+FURTHER_WORKS = ("compliance_work", "modal_loss", "modal_damping")
+"""further arrays of the time loop (n,) [J], from which energies are derived
+
+The work of springs and dampers on bodies; the work of the loads on modes, less their energy; and
+the energy that modal damping took.
+"""
+
+
+def time_of(batch: Batch) -> Array:
+    found: Array = batch.h * batch.steps
+    return found
+
+
+def dissipated(batch: Batch) -> Array:
+    """The work of springs and dampers that springs have not stored, and what modal damping took."""
+    n, output = len(batch.steps), batch.output
+    stored = output.spring_energy[:n] - batch.start.springs
+    found: Array = output.modal_damping[:n] - output.compliance_work[:n] - stored
+    return found
+
+
+def numerical(batch: Batch) -> Array:
+    """The work on modes that they have neither stored nor lost to their damping."""
+    n, output = len(batch.steps), batch.output
+    found: Array = output.modal_loss[:n] - output.modal_damping[:n]
+    return found
+
+
+def balance(batch: Batch) -> Array:
+    """The change of all energies, and what they lost, less the work from outside."""
+    n, output = len(batch.steps), batch.output
+    stored = sum((getattr(output, name)[:n] for name in STORED[1:]), getattr(output, STORED[0])[:n])
+    lost = dissipated(batch) + numerical(batch)
+    found: Array = stored + lost - output.external_work[:n] - batch.start.total
+    return found

@@ -1,0 +1,496 @@
+"""Mechanisms: bodies and what is between them, built step by step by handles."""
+
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from duhamel import solver, superelement, view
+from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
+from duhamel.solver.model.bodies import Body, Place, Start
+from duhamel.solver.model.model import numbered
+from duhamel.solver.schema.values import Framed, direction
+from duhamel.superelement import Superelement
+from numpy.typing import ArrayLike
+
+from .parts import Part
+from .pictures import embedded
+from .quantities import quantity_of
+from .runs import Run
+
+MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+"""the arrays of a model, one for each kind of what is between bodies"""
+AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
+
+
+@dataclass(frozen=True)
+class FrameHandle:
+    """A frame of a body of a mechanism, for joints, springs, contacts and loads."""
+
+    frame_name: str
+    """BODY.FRAME"""
+
+    def __repr__(self) -> str:
+        return f"<frame {self.frame_name!r}>"
+
+
+@dataclass(frozen=True, eq=False)
+class BodyHandle:
+    """A body of a mechanism; `handle["tip"]` is a frame of it, the handle its center of mass."""
+
+    mechanism: "Mechanism"
+    name: str
+
+    @property
+    def frame_name(self) -> str:
+        """It as a frame, the center of mass."""
+        return self.name
+
+    @property
+    def body(self) -> Body:
+        """What the solver has: mass, inertia, start."""
+        return self.mechanism.bodies[self.name]
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """The names of its frames: of an elastic part its interfaces."""
+        return tuple(self.body.frames)
+
+    def __getitem__(self, frame: str) -> FrameHandle:
+        return _frame(self.name, frame, self.frames)
+
+    def __repr__(self) -> str:
+        return f"<body {self.name!r}, frames: {', '.join(self.frames) or 'none'}>"
+
+
+@dataclass(frozen=True, eq=False)
+class GroundHandle:
+    """Space: `m.ground` is where the other frame of a joint starts, `m.ground["wall"]` a frame."""
+
+    mechanism: "Mechanism"
+
+    @property
+    def frame_name(self) -> str:
+        return "ground"
+
+    def frame(
+        self,
+        name: str,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> FrameHandle:
+        """Add a frame that is fixed in space.
+
+        Parameters
+        ----------
+        name : str
+        position : (3,) [m]
+        rotation : (3,) [rad]
+            Rotation vector of its axes.
+        """
+        self.mechanism.ground_frames[name] = solver.Frame(position, rotation)
+        return self[name]
+
+    def __getitem__(self, frame: str) -> FrameHandle:
+        return _frame("ground", frame, tuple(self.mechanism.ground_frames))
+
+    def __repr__(self) -> str:
+        return f"<ground, frames: {', '.join(self.mechanism.ground_frames) or 'none'}>"
+
+
+def _frame(body: str, frame: str, known: Sequence[str]) -> FrameHandle:
+    if frame not in known:
+        raise solver.ModelError(
+            f"no frame {quoted(frame)} on {body!r}; it has: {', '.join(known) or 'none'}"
+        )
+    return FrameHandle(f"{body}.{frame}")
+
+
+class Mechanism:
+    """Bodies, joints, loads, springs, contacts, motors: what a simulation moves.
+
+    Parameters
+    ----------
+    gravity : (3,) [m/s^2]
+        The acceleration of a free body.
+
+    Examples
+    --------
+    A pendulum of a point-like mass, released at an angle:
+
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
+    >>> bob = m.add(du.RigidBody(1.0, [1e-3] * 3, {"pin": [0.0, 0.0, 0.5]}), name="bob")
+    >>> hinge = m.add(du.joints.Revolute(m.ground, bob["pin"], axis="y", start={"angle": 0.1}))
+    >>> hinge.name
+    'revolute 1'
+    >>> run = m.simulate(0.1, step=1e-3)
+    >>> round(float(run["revolute 1"].angle[-1]), 3)
+    0.09
+    """
+
+    def __init__(self, gravity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        self.gravity = gravity
+        self.bodies: dict[str, Body] = {}
+        self.ground_frames: dict[str, solver.Frame] = {}
+        self.settings = solver.Settings(t_end=1.0)
+        """of the last simulation, with which `write` writes a model file"""
+        self._entries: dict[str, tuple[Any, ...]] = dict.fromkeys(MODEL_GROUPS, ())
+        self._path = ""
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Self:
+        """The mechanism of a model file, with its settings; `ModelError` names file and key."""
+        model = solver.read_model(path)
+        made = cls(model.gravity)
+        made.bodies, made.ground_frames = dict(model.bodies), dict(model.ground_frames)
+        made.settings, made._path = model.settings, model.path
+        made._entries = {group: getattr(model, group) for group in MODEL_GROUPS}
+        return made
+
+    @property
+    def ground(self) -> GroundHandle:
+        """Space, as a body to which others are joined."""
+        return GroundHandle(self)
+
+    def __getitem__(self, name: str) -> Any:
+        """A body as its handle, or a joint, spring, contact, ... as it was added, by name."""
+        if name in self.bodies:
+            return BodyHandle(self, name)
+        named = {entry.name: entry for entry in self._named()}
+        if name not in named:
+            known = ", ".join([*self.bodies, *named]) or "none"
+            raise solver.ModelError(f"nothing is named {quoted(name)}; there are: {known}")
+        return named[name]
+
+    def __repr__(self) -> str:
+        counts = {group: len(entries) for group, entries in self._entries.items()}
+        named = ", ".join(self.bodies) or "none"
+        parts = [f"{count} {group}" for group, count in counts.items() if count]
+        return f"<Mechanism: {'; '.join([f'bodies {named}', *parts])}>"
+
+    def add(
+        self,
+        what: Any,
+        name: str = "",
+        *,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        place: Mapping[str, str | Framed] | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        rigid: bool = False,
+        second_order: Literal["auto", "full", "off"] = "auto",
+    ) -> Any:
+        """Add a body, or what acts between bodies.
+
+        Parameters
+        ----------
+        what
+            A `Superelement` or the path of its file, a `RigidBody`; or a joint, spring, load,
+            contact, stop, motor, coupler or motion, which take no other argument than `name`.
+        name : str
+            By which results know it. Without one bodies have that of their part, and the rest is
+            numbered, as "revolute 2".
+        position : (3,) [m]
+            Of the center of mass of a body at the start, in space.
+        rotation : (3,) [rad]
+            Rotation vector of its axes.
+        place : {FRAME: frame}
+            Instead of both: a frame of the body by name and that of another with which it
+            coincides, axes included, as `{"root": hub["rim"]}`; "" is the center of mass.
+        velocity : (3,) [m/s]
+            Of the center of mass, in space.
+        angular_velocity : (3,) [rad/s]
+            In body axes.
+        rigid : bool
+            Leave the elasticity of a superelement out.
+        second_order : {"auto", "full", "off"}
+            Whether terms of fast rotation and large loads are used, where a superelement has them.
+
+        Returns
+        -------
+        BodyHandle, or the entry with its name
+            `handle["tip"]` is a frame for joints and loads; joints go to motors, stops, couplers.
+        """
+        start = {
+            "position": position,
+            "rotation": rotation,
+            "place": None if place is None else _place(place),
+            "velocity": velocity,
+            "angular_velocity": angular_velocity,
+        }
+        given = {key: value for key, value in start.items() if value is not None}
+        if (group := getattr(what, "group", None)) in MODEL_GROUPS:
+            if given or rigid or second_order != "auto":
+                raise solver.ModelError(
+                    f"{what.owner}: expected no start, found {', '.join(given) or 'rigid'}: bodies "
+                    "alone take it"
+                )
+            return self._add_entry(str(group), what, name)
+        return self._add_body(_body(what, given, rigid, second_order), name)
+
+    def model(self, settings: solver.Settings | None = None) -> solver.Model:
+        """The mechanism as the solver takes it; `ModelError` says what is wrong with it."""
+        entries: dict[str, Any] = self._entries
+        return solver.Model(
+            bodies=self.bodies,
+            gravity=self.gravity,
+            ground_frames=self.ground_frames,
+            settings=settings or self.settings,
+            path=self._path,
+            **entries,
+        )
+
+    def simulate(
+        self,
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        output: str | os.PathLike[str] | None = None,
+        progress: bool = False,
+        resume: bool = False,
+        **settings: Any,
+    ) -> Run:
+        """Integrate the motion from t = 0.
+
+        Parameters
+        ----------
+        t_end : float [s]
+            By default that of the last simulation, or of the model file.
+        step : float [s]
+            By default that of the superelements.
+        output : path
+            A results file, which `Run.read` reads; without one the run is in memory.
+        progress : bool
+            Show a bar with the remaining time.
+        resume : bool
+            Go on from the checkpoint beside `output`.
+        **settings
+            Fields of `duhamel.solver.Settings`: contact_step, rho_inf, start="equilibrium",
+            steady_rotation, checkpoint, output=OutputRequest(...) as `record`, ...
+
+        Returns
+        -------
+        Run
+            `run["hinge"].angle`, `run.plot(...)`, `run.animate(...)`.
+
+        Raises
+        ------
+        ModelError, ConvergenceError, OutOfRangeError, MissedContactError
+        """
+        self.settings = self._settings(t_end, step, settings)
+        results = solver.simulate(self.model(), output=output, progress=progress, resume=resume)
+        return Run(results)
+
+    def simulator(
+        self,
+        outputs: Sequence[str] = (),
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        results: str | os.PathLike[str] | None = None,
+        **settings: Any,
+    ) -> solver.Simulator:
+        """A simulation step by step, for controllers: see `duhamel.solver.Simulator`."""
+        self.settings = self._settings(t_end, step, settings)
+        return solver.Simulator(self.model(), outputs, results=results)
+
+    def check(self) -> solver.ModelCheck:
+        """What a run would be: degrees of freedom, frequencies, damping, time, memory, warnings."""
+        return solver.check(self.model())
+
+    def linear(self, angular_velocity: ArrayLike | None = None) -> solver.LinearModel:
+        """The linear equations about the equilibrium, at rest or in a steady rotation [rad/s]."""
+        rotation = None if angular_velocity is None else solver.SteadyRotation(angular_velocity)
+        return solver.linearize(self.model(), rotation)
+
+    def modes(
+        self, n: int | None = 12, angular_velocity: ArrayLike | None = None
+    ) -> solver.LinearModes:
+        """The first n natural modes about the equilibrium: `.frequencies` [Hz], `.ratios`."""
+        return self.linear(angular_velocity).modes(n)
+
+    def frf(
+        self,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        frequencies: ArrayLike,
+        bodies: Literal["dynamic", "static", "rigid"] = "dynamic",
+    ) -> solver.FrequencyResponse:
+        """Frequency responses of outputs to inputs at frequencies (n,) [Hz].
+
+        Parameters
+        ----------
+        inputs : list of str
+            "force:rod.tip:y", "torque:rod:z", "load:1", "drive:hinge", or the name of an `Input`.
+        outputs : list of str
+            Quantities as `Run.plot` takes them, as "rod.tip.position.y".
+        frequencies : (n,) [Hz]
+        bodies : {"dynamic", "static", "rigid"}
+            How flexible bodies deform.
+        """
+        named = [self._quantity(output) for output in outputs]
+        return self.linear().frf(inputs, named, frequencies, bodies)
+
+    def campbell(
+        self,
+        spins: ArrayLike,
+        axis: ArrayLike | str = "z",
+        center: ArrayLike = (0.0, 0.0, 0.0),
+        n: int = 8,
+        progress: bool = False,
+    ) -> solver.Campbell:
+        """The first n natural frequencies over the speed of a steady rotation.
+
+        Parameters
+        ----------
+        spins : (m,) [rad/s]
+            Increasing; drives that turn the mechanism follow them.
+        axis, center : (3,), (3,) [m]
+            Of the rotation, in space.
+        n : int
+        progress : bool
+            Show how far it is.
+        """
+        rotation = solver.SteadyRotation(direction(axis), center)
+        settings = replace(self.settings, start="equilibrium", steady_rotation=rotation)
+        return solver.campbell(self.model(settings), np.asarray(spins).tolist(), n, progress)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a model file that `duhamel run` and `Mechanism.read` take.
+
+        Superelements in memory are written beside it, as MODEL-BODY.h5. The settings are those of
+        the last simulation.
+        """
+        path = Path(path)
+        model = self.model()
+        bodies = dict(model.bodies)
+        for name, body in bodies.items():
+            if not isinstance(body, solver.RigidBody) and not body.source:
+                beside = path.with_name(f"{path.stem}-{name}.h5")
+                superelement.write(body.superelement, beside)
+                bodies[name] = replace(body, source=str(beside))
+        self.bodies = bodies
+        solver.write_model(replace(model, bodies=bodies), path)
+
+    def draw(self, path: str | os.PathLike[str], **options: Any) -> Path:
+        """Draw the mechanism at its start, as .png.
+
+        Parameters
+        ----------
+        path
+        **options
+            Those of `duhamel.view.animate`: field, size, view, marks, title.
+        """
+        view.animate(solver.start(self.model()), path, at=0.0, **({"field": "none"} | options))
+        return Path(path)
+
+    def _repr_html_(self) -> str:
+        """Its table, below a picture of its start where PyVista is installed and it can start."""
+        if not self.bodies:
+            return "<p>Mechanism without bodies</p>"
+        table = self.model()._repr_html_()
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                png = self.draw(Path(folder) / "start.png", size=(960, 540)).read_bytes()
+            except (view.PictureError, solver.ModelError):
+                return table
+        return embedded(png) + table
+
+    def _settings(
+        self, t_end: float | None, step: float | None, more: dict[str, Any]
+    ) -> solver.Settings:
+        if "record" in more:
+            more["output"] = more.pop("record")
+        changes = more | {"t_end": t_end, "step": step}
+        known = solver.Settings.__dataclass_fields__
+        if unknown := sorted(set(changes) - set(known)):
+            raise solver.ModelError(
+                f"simulate: unknown setting {unknown[0]!r}; known are {', '.join(known)}"
+            )
+        return replace(
+            self.settings, **{key: value for key, value in changes.items() if value is not None}
+        )
+
+    def _quantity(self, text: str) -> str:
+        frames = [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
+        joints = {joint.name: joint.coordinates for joint in self._entries["joints"]}
+        owners = [*self.bodies, *frames, *(entry.name for entry in self._named())]
+        return quantity_of(text, owners, lambda owner: joints.get(owner, ()))
+
+    def _named(self) -> Iterable[Any]:
+        return (
+            entry
+            for entries in self._entries.values()
+            for entry in entries
+            if hasattr(entry, "name")
+        )
+
+    def _add_body(self, body: Body, name: str) -> BodyHandle:
+        name = name or _name_of(body)
+        if not name:
+            numbers = (f"body{k}" for k in range(1, len(self.bodies) + 2))
+            name = next(free for free in numbers if free not in self.bodies)
+        if name in self.bodies:
+            raise solver.ModelError(f"bodies: a body named {quoted(name)} is there already")
+        if name == "ground" or not is_name(name):
+            raise solver.ModelError(
+                f"bodies: a body cannot be named {quoted(name)}: expected {FORM_OF_NAMES}, other "
+                "than 'ground'"
+            )
+        self.bodies[name] = body
+        return BodyHandle(self, name)
+
+    def _add_entry(self, group: str, entry: Any, name: str) -> Any:
+        if name:
+            if not hasattr(entry, "name"):
+                raise solver.ModelError(f"{entry.owner}: expected no name, found {quoted(name)}")
+            entry = replace(entry, name=name)
+        entries = (*self._entries[group], entry)
+        if hasattr(entry, "name"):
+            taken = {other.name for other in self._named()}
+            if entry.name in taken:
+                raise solver.ModelError(f"{group}: {quoted(entry.name)} is there already")
+            entries = numbered(group.removesuffix("s"), entries, taken)
+        self._entries[group] = entries
+        return entries[-1]
+
+
+def _place(given: Mapping[str, str | Framed]) -> Place:
+    if len(given) != 1:
+        raise solver.ModelError(f"place: expected {{FRAME: frame}}, found {quoted(given)}")
+    ((frame, on),) = given.items()
+    return Place(frame, on)
+
+
+def _name_of(body: Body) -> str:
+    """That of its superelement, if it may be one."""
+    own = getattr(body, "superelement", None)
+    return own.name if own is not None and is_name(own.name) else ""
+
+
+def _body(
+    what: Any, start: dict[str, Any], rigid: bool, second_order: Literal["auto", "full", "off"]
+) -> Body:
+    if isinstance(what, AnyRigidBody | solver.FlexibleBody):
+        return replace(what, start=replace(what.start, **start)) if start else what
+    source = ""
+    if isinstance(what, str | os.PathLike):
+        source = str(what)
+        what = superelement.read(source, recovery=False)
+    if isinstance(what, Superelement):
+        if rigid:
+            return solver.RigidSuperelement(what, Start(**start), source)
+        return solver.FlexibleBody(what, Start(**start), source, second_order)
+    if isinstance(what, Part):
+        raise solver.ModelError(
+            f"part {what.name!r}: expected its superelement: add(part.superelement(step=...))"
+        )
+    raise solver.ModelError(
+        "expected a Superelement, a RigidBody, or a joint, load, spring, contact, stop, motor, "
+        f"coupler or motion, found {quoted(what)}"
+    )

@@ -1,0 +1,505 @@
+"""Elastic parts: a mesh with materials or sections and interfaces, which becomes a superelement."""
+
+import html
+import math
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from duhamel import preprocess, view
+from duhamel.inputs import InputError, Table, quoted, read_part
+from duhamel.preprocess.body.body import Method, PointMass, SolverName
+from duhamel.preprocess.body.damping import Damping
+from duhamel.preprocess.body.loads import LoadPattern
+from duhamel.preprocess.body.material import Material, Section
+from duhamel.preprocess.body.selection import InterfaceSelection, Selection
+from duhamel.preprocess.body.sensors import SensorPoint
+from duhamel.preprocess.mesh.in_memory import mesh_of
+from duhamel.superelement import Superelement
+from numpy.typing import ArrayLike
+
+from .pictures import Picture, embedded
+from .selections import selection_of
+from .vectors import vector
+
+Where = Selection | str | ArrayLike
+"""a selection, the name of a group of the mesh, or a point (3,) [m] for the node nearest to it"""
+TABLE_KINDS: dict[str, type[Table]] = {
+    "interfaces": InterfaceSelection,
+    "masses": PointMass,
+    "loads": LoadPattern,
+    "sensors": SensorPoint,
+}
+"""what body files give by name"""
+DEFAULT_STEPS = 100
+"""steps of sampled impulse responses where no duration is given; modes hold for any duration"""
+
+
+class Part:
+    """An elastic part on a mesh of solids or of lines.
+
+    Parameters
+    ----------
+    mesh
+        A mesh of scikit-fem, meshio, PyVista (an unstructured grid) or gmsh (the module, with a
+        meshed model); a pair `(points, cells)`; or the path of a mesh file.
+    properties : Material, Section, or one of them for each group by name
+        Materials of solids, sections of lines.
+    name : str
+        Its name in messages and files.
+    scale : float [m]
+        The unit of length of the mesh: 1e-3 for millimeters. All else is in SI units.
+    order : {1, 2}
+        2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes
+        in the middle of their edges.
+
+    Examples
+    --------
+    A cantilever of two hexahedra, and its superelement:
+
+    >>> import duhamel as du
+    >>> import numpy as np
+    >>> x, y, z = np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.1], [0.0, 0.1], indexing="ij")
+    >>> points = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    >>> first = [0, 4, 6, 2, 1, 5, 7, 3]
+    >>> cells = np.array([first, [node + 4 for node in first]])
+    >>> part = du.Part((points, cells), du.Material(E=70e9, nu=0.33, rho=2700.0))
+    >>> part.interface("root", du.plane(x=0.0))
+    >>> part.interface("tip", du.plane(x=1.0))
+    >>> part.superelement(step=2e-5)
+    <Superelement 'part': 27 kg, at root, tip, 30 modes>
+    """
+
+    def __init__(
+        self,
+        mesh: Any,
+        properties: Material | Section | Mapping[str, Material] | Mapping[str, Section],
+        *,
+        name: str = "part",
+        scale: float = 1.0,
+        order: Literal[1, 2] = 1,
+    ) -> None:
+        self.name = name
+        self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
+        if order != 1:
+            self._table["order"] = order
+        if isinstance(mesh, str | os.PathLike):
+            self._table |= {"mesh": Path(mesh), "scale": scale}
+        else:
+            self._table["mesh"] = mesh_of(mesh, scale)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Self:
+        """The part of a body file; its step and its method count where `body` is given none."""
+        body = preprocess.read_body(path)
+        part = cls.__new__(cls)
+        part.name = body.name
+        part._table = {key: getattr(body, key) for key in body.model_fields_set}
+        return part
+
+    def __repr__(self) -> str:
+        interfaces = ", ".join(self._table.get("interfaces", ())) or "none"
+        return f"<Part {self.name!r} on {_named(self._table['mesh'])}, interfaces: {interfaces}>"
+
+    def interface(
+        self,
+        name: str,
+        where: Where,
+        *,
+        kind: Literal["average", "rigid"] = "average",
+        at: ArrayLike | None = None,
+    ) -> None:
+        """Add an interface: a frame to which joints, loads and contacts may be attached.
+
+        Parameters
+        ----------
+        name : str
+        where
+            What carries it: a selection, the name of a group, or a point for the nearest node.
+        kind : {"average", "rigid"}
+            Whether the frame follows the facets as their mean motion does, or stiffens them.
+        at : (3,) [m]
+            The position of the frame, by default the centroid of the facets.
+        """
+        selection = selection_of(where).model_dump(exclude_unset=True)
+        if kind != "average":
+            selection["kind"] = kind
+        if at is not None:
+            selection["at"] = vector(at)
+        self._add("interfaces", name, selection)
+
+    def mass(
+        self,
+        name: str,
+        mass: float,
+        where: Where | None = None,
+        *,
+        interface: str | None = None,
+        inertia: ArrayLike | None = None,
+        at: ArrayLike | None = None,
+    ) -> None:
+        """Add a rigid piece that moves with an interface, or with what carries it on the mesh.
+
+        Parameters
+        ----------
+        name : str
+        mass : float [kg]
+        where, interface
+            One of them: what carries it on the mesh, or the name of an interface.
+        inertia : (3,) or (3, 3) [kg m^2]
+            About its frame in mesh axes, principal values or a matrix.
+        at : (3,) [m]
+            The position of its frame, by default the centroid of the facets.
+        """
+        piece: dict[str, Any] = {"mass": float(mass)}
+        if where is not None:
+            piece |= selection_of(where).model_dump(exclude_unset=True)
+        if interface is not None:
+            piece["interface"] = interface
+        if inertia is not None:
+            matrix = np.asarray(inertia, dtype=np.float64)
+            piece["inertia"] = _tuples(np.diag(matrix) if matrix.shape == (3,) else matrix)
+        if at is not None:
+            piece["at"] = vector(at)
+        self._add("masses", name, piece)
+
+    def load(
+        self,
+        name: str,
+        where: Where | None = None,
+        *,
+        pressure: float | None = None,
+        traction: ArrayLike | None = None,
+        force_per_volume: ArrayLike | None = None,
+        force_per_length: ArrayLike | None = None,
+    ) -> None:
+        """Add a load pattern, whose amplitude a `du.loads.PatternLoad` of a mechanism gives.
+
+        Parameters
+        ----------
+        name : str
+        where
+            What it acts on; by default the whole part, for forces per volume or length.
+        pressure : float [Pa]
+            Against the outward normal of facets of solids.
+        traction : (3,) [Pa]
+            On facets of solids. Vectors are in mesh axes and turn with the part.
+        force_per_volume : (3,) [N/m^3]
+        force_per_length : (3,) [N/m]
+            On lines.
+        """
+        vectors = {
+            "traction": traction,
+            "force_per_volume": force_per_volume,
+            "force_per_length": force_per_length,
+        }
+        pattern: dict[str, Any] = {
+            key: vector(value) for key, value in vectors.items() if value is not None
+        }
+        if pressure is not None:
+            pattern["pressure"] = float(pressure)
+        if where is not None:
+            pattern |= selection_of(where).model_dump(exclude_unset=True)
+        self._add("loads", name, pattern)
+
+    def sensor(
+        self,
+        name: str,
+        point: ArrayLike,
+        *,
+        direction: ArrayLike | None = None,
+        length: float | None = None,
+        stress: bool = False,
+    ) -> None:
+        """Add a sensor: a point that is read, and never loaded.
+
+        Parameters
+        ----------
+        name : str
+        point : (3,) [m]
+            In mesh coordinates, within an element, or beside the axis of a beam.
+        direction : (3,)
+            That of a strain gauge; without one and without `stress` the motion is read.
+        length : float [m]
+            Over which a gauge takes the mean, at the point unless given.
+        stress : bool
+            Read the stresses at the point, of solids.
+        """
+        reading: dict[str, Any] = {"point": vector(point)}
+        if direction is not None:
+            reading["direction"] = vector(direction)
+        if length is not None:
+            reading["length"] = float(length)
+        if stress:
+            reading["stress"] = True
+        self._add("sensors", name, reading)
+
+    def damping(
+        self,
+        *,
+        modal: float | None = None,
+        loss_factor: float | None = None,
+        band: Sequence[float] | None = None,
+        reference_frequency: float | None = None,
+        rayleigh: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Set the damping; without it the part has none.
+
+        Parameters
+        ----------
+        modal : float
+            The ratio of every mode of the free part.
+        loss_factor : float
+            That of the material, the same at all frequencies of `band`, whatever holds the part.
+        band : (2,) [Hz]
+            The lowest and the highest frequency of the loss factor.
+        reference_frequency : float [Hz]
+            At which the moduli are those given; by default they are those at rest.
+        rayleigh : dict
+            `mass` [1/s] and `stiffness` [s], or `ratios` at two `frequencies` [Hz].
+        """
+        given = {
+            "modal": modal,
+            "loss_factor": loss_factor,
+            "band": None if band is None else tuple(map(float, band)),
+            "reference_frequency": reference_frequency,
+            "rayleigh": None if rayleigh is None else dict(rayleigh),
+        }
+        table: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+        self._table["damping"] = Damping(**table)
+
+    def recover(self, *, stress: bool = False) -> None:
+        """Keep the displacements of the whole surface, and perhaps its stresses, for pictures."""
+        self._table["recovery"] = {"stress": stress}
+
+    def rotation(
+        self,
+        *,
+        modes: int = 4,
+        soft: Literal["auto"] | int = "auto",
+        loaded: Sequence[str] | None = None,
+        level: Literal[1, 2] = 1,
+    ) -> None:
+        """Add what fast rotation and large loads change: terms of second order.
+
+        Parameters
+        ----------
+        modes : int
+            The lowest modes that loads or rotation stiffen.
+        soft : "auto" or int
+            Shapes of the interfaces that add what these modes lack.
+        loaded : list of str
+            The interfaces of these shapes, by default all.
+        level : {1, 2}
+            2 adds the energy of the fourth order, for thick and curved solids.
+        """
+        table: dict[str, Any] = {"modes": modes, "soft": soft, "level": level}
+        if loaded is not None:
+            table["loaded"] = tuple(loaded)
+        self._table["rotation"] = table
+
+    def body(
+        self,
+        step: float | None = None,
+        duration: float | None = None,
+        *,
+        band: float | None = None,
+        method: Method = "auto",
+        modes: int | None = None,
+        tolerance: float | None = None,
+        rho_inf: float | None = None,
+        solver: SolverName = "auto",
+    ) -> preprocess.Body:
+        """The part with the impulse responses that are asked for, as a body file has it.
+
+        The parameters are those of `superelement`.
+        """
+        asked: dict[str, Any] = {"step": step, "band": band, "modes": modes}
+        asked |= {"tolerance": tolerance, "rho_inf": rho_inf}
+        if step is not None:
+            asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
+        if method != "auto":
+            asked["method"] = method
+        if solver != "auto":
+            asked["solver"] = solver
+        table, impulse = dict(self._table), self._table.get("impulse")
+        known = {} if impulse is None else impulse.model_dump(exclude_unset=True)
+        table["impulse"] = known | {key: value for key, value in asked.items() if value is not None}
+        if "step" not in table["impulse"]:
+            raise preprocess.BodyError(
+                f"part {self.name!r}: step: expected that of the impulse responses [s], found none"
+            )
+        try:
+            return read_part(table, preprocess.Body)
+        except InputError as error:
+            raise preprocess.BodyError(f"part {self.name!r}: {error}") from error
+
+    def superelement(
+        self,
+        step: float | None = None,
+        duration: float | None = None,
+        *,
+        band: float | None = None,
+        method: Method = "auto",
+        modes: int | None = None,
+        tolerance: float | None = None,
+        rho_inf: float | None = None,
+        solver: SolverName = "auto",
+        progress: bool = False,
+    ) -> Superelement:
+        """The superelement of the part, for `Mechanism.add`.
+
+        Parameters
+        ----------
+        step : float [s]
+            The time step of its impulse responses; runs may take other ones.
+        duration : float [s]
+            Of the impulse responses as they are sampled. Motions may last as long as they like.
+        band : float [Hz]
+            Up to where it is to be right, half the Nyquist frequency of the step unless given.
+        method, modes, tolerance, rho_inf, solver
+            As the keys of `[impulse]` in body files.
+        progress : bool
+            Show on the terminal what is being done.
+
+        Returns
+        -------
+        Superelement
+            Its stated error is `kernel.error`.
+
+        Raises
+        ------
+        PreprocessError
+            If the part, its mesh or its method do not allow it.
+
+        Warns
+        -----
+        PlausibilityWarning
+            Of each thing that looks like a mistake: units, sizes, elements that are too stiff.
+        """
+        body = self.body(
+            step,
+            duration,
+            band=band,
+            method=method,
+            modes=modes,
+            tolerance=tolerance,
+            rho_inf=rho_inf,
+            solver=solver,
+        )
+        told = list(preprocess.doubts_of_body(body))
+        built = preprocess.build(body, progress=progress, on_warning=told.append)
+        for doubt in told:
+            warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
+        return built
+
+    def draw(self, step: float = 1e-5) -> Picture:
+        """Draw the part with its interfaces, masses and sensors, as the dry run does.
+
+        Parameters
+        ----------
+        step : float [s]
+            That of its impulse responses, as far as it is not known.
+        """
+        from duhamel.cli.survey import scene
+        from duhamel.preprocess.survey import survey
+
+        known = "impulse" in self._table
+        return Picture(view.draw_scene(scene(survey(self.body(None if known else step)))))
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>{embedded(self.draw()._repr_png_())}"
+
+    def write(
+        self, path: str | os.PathLike[str], step: float | None = None, duration: float | None = None
+    ) -> None:
+        """Write a body file for `duhamel preprocess`; a mesh in memory is written beside it."""
+        preprocess.write_body(self.body(step, duration), path)
+
+    def _add(self, table: str, name: str, entry: dict[str, Any]) -> None:
+        entries = dict(self._table.get(table, {}))
+        if name in entries:
+            raise preprocess.BodyError(
+                f"part {self.name!r}: {table}: {quoted(name)} is there already"
+            )
+        try:
+            entries[name] = read_part(entry, TABLE_KINDS[table])
+        except InputError as error:
+            raise preprocess.BodyError(f"part {self.name!r}: {table}: {name}: {error}") from error
+        self._table[table] = entries
+
+
+class Beam(Part):
+    """An elastic part of beams in space.
+
+    Parameters
+    ----------
+    points : (n, 3) [m]
+        The nodes.
+    lines : (m, 2)
+        The nodes of each beam element; by default each node and the next one.
+    section : Section
+        Of all elements.
+    name : str
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> import numpy as np
+    >>> points = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 21)
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, width=0.01, height=0.01)
+    >>> beam = du.Beam(points, section=section)
+    >>> beam.interface("root", points[0])
+    >>> beam.interface("tip", points[-1])
+    >>> beam.superelement(step=1e-5).mass.__round__(6)
+    0.785
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        lines: ArrayLike | None = None,
+        section: Section | None = None,
+        *,
+        name: str = "beam",
+    ) -> None:
+        nodes = np.asarray(points, dtype=np.float64)
+        if lines is None:
+            lines = np.column_stack([np.arange(len(nodes) - 1), np.arange(1, len(nodes))])
+        if section is None:
+            raise InputError("Beam: expected a section, found none")
+        super().__init__((nodes, {"line": lines}), section, name=name)
+
+
+def _keyed(properties: Any) -> dict[str, Any]:
+    """Materials or sections by their keys in body files."""
+    if isinstance(properties, Material):
+        return {"material": properties}
+    if isinstance(properties, Section):
+        return {"section": properties}
+    if isinstance(properties, Mapping) and properties:
+        for key, kind in (("materials", Material), ("sections", Section)):
+            if all(isinstance(value, kind) for value in properties.values()):
+                return {key: dict(properties)}
+    raise InputError(
+        f"Part: expected a Material, a Section, or one of them for each group by name, "
+        f"found {quoted(properties)}"
+    )
+
+
+def _named(mesh: Any) -> str:
+    return mesh.name if hasattr(mesh, "points") else str(mesh)
+
+
+def _steps(duration: float, step: float) -> int:
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise InputError(f"duration: expected a positive number [s], found {duration}")
+    return max(1, math.ceil(duration / step * (1.0 - 1e-9)))
+
+
+def _tuples(matrix: Any) -> Any:
+    return tuple(map(tuple, matrix.tolist()))
