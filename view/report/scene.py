@@ -24,6 +24,8 @@ FINE = 2.0**-14
 SHADES = 255
 LINE_WIDTH = 0.004
 """width of the lines of bodies and of marks, over the size of what is drawn"""
+LEAST_RADIUS = 0.006
+"""of joints and contacts, over the size of what is drawn"""
 UNSEEN_SIZE = 1e-6
 """size of a mark that is not to be seen, over that of the model: K3D cannot invert 0"""
 GRID = 0xC9D1D9
@@ -158,13 +160,17 @@ def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
 def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
     color, glyph = int(mark.color[1:], 16), mark.glyph
     if not len(glyph.triangles):
-        width = 0.5 * LINE_WIDTH * _size(motion)
+        width = LINE_WIDTH * _size(motion)
         drawn = _lines(k3d, glyph.points, glyph.lines, color, width)
         drawn.vertices = _series(frames(motion), mark.position(slice(None)) - motion.origin)
         return drawn
     drawn = _surface(k3d, glyph.points, glyph.triangles, color)
     drawn.opacity = mark.opacity
-    A = mark.A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
+    A = mark.A
+    if mark.kind in ("joints", "contacts"):
+        # Where a small body goes far, marks in proportion to it alone would hardly be seen.
+        A = A * max(1.0, LEAST_RADIUS * _size(motion) / motion.moving.radius)
+    A = A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
     drawn.model_matrix = _series(frames(motion), poses(mark.x - motion.origin, A))
     return drawn
 
