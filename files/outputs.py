@@ -11,7 +11,7 @@ from pathlib import Path
 from platform import node
 from typing import Any
 
-KEPT = 50
+MAX_KEPT_NAME = 50
 """characters of a name that its temporary file has too: names end at 255 bytes"""
 
 AnyPath = str | os.PathLike[str]
@@ -107,7 +107,7 @@ def _remove(path: Path) -> None:
 
 def _prefix(path: Path) -> str:
     """What names of temporary files begin with: on a shared disk, by machine."""
-    return f".{path.name[:KEPT]}.{zlib.crc32(node().encode()):08x}."
+    return f".{path.name[:MAX_KEPT_NAME]}.{zlib.crc32(node().encode()):08x}."
 
 
 def _alive(process: int) -> bool:

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..superelement.validation import Array
+from ..files.arrays import Array, Index
 
 
 class Energies(NamedTuple):
@@ -18,14 +17,14 @@ class Energies(NamedTuple):
     @classmethod
     def of(cls, output: Any) -> "Energies":
         """Those of the first row of an output."""
-        springs, *others = (getattr(output, name)[0] for name in STORED)
+        springs, *others = (getattr(output, name)[0] for name in STORED_ENERGIES)
         return cls(float(springs), float(sum(others, springs)))
 
 
 class EventRows(NamedTuple):
     """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
 
-    owner: NDArray[np.int64]
+    owner: Index
     values: Array
 
     @classmethod
@@ -51,7 +50,7 @@ class Batch(NamedTuple):
     events: EventRows = EventRows.none()
 
 
-STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
+STORED_ENERGIES = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
 FURTHER_WORKS = ("compliance_work", "modal_loss", "modal_damping")
 """further arrays of the time loop (n,) [J], from which energies are derived
 
@@ -83,7 +82,10 @@ def numerical(batch: Batch) -> Array:
 def balance(batch: Batch) -> Array:
     """The change of all energies, and what they lost, less the work from outside."""
     n, output = len(batch.steps), batch.output
-    stored = sum((getattr(output, name)[:n] for name in STORED[1:]), getattr(output, STORED[0])[:n])
+    stored = sum(
+        (getattr(output, name)[:n] for name in STORED_ENERGIES[1:]),
+        getattr(output, STORED_ENERGIES[0])[:n],
+    )
     lost = dissipated(batch) + numerical(batch)
     found: Array = stored + lost - output.external_work[:n] - batch.start.total
     return found

@@ -5,14 +5,14 @@ from functools import partial
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..superelement import Outline
-from ..superelement.validation import Array
 
-SINGULAR = 1e-13
+RELATIVE_ZERO_EIGENVALUE = 1e-13
 """eigenvalue of the conditions, relative to the largest, that counts as none"""
-MOST_TURNING = 300
+MAX_TURNING_INTERFACES = 300
 """interfaces up to which their rotations are followed too; more lie close together"""
-BATCH = 1 << 21
+TABLE_BATCH_NUMBERS = 1 << 21
 """numbers of a table of functions at points that are held at once"""
 
 
@@ -34,9 +34,11 @@ class Blend:
         both = np.vstack([outline.anchors, places])
         self._size = float(np.linalg.norm(np.ptp(both, axis=0))) or 1.0
         self._places = places / self._size
-        followed = np.array(turns, dtype=bool) & (len(places) <= MOST_TURNING)
+        followed = np.array(turns, dtype=bool) & (len(places) <= MAX_TURNING_INTERFACES)
         self._turning = np.flatnonzero(followed)
-        self._inverse = np.linalg.pinv(self._conditions(), rcond=SINGULAR, hermitian=True)
+        self._inverse = np.linalg.pinv(
+            self._conditions(), rcond=RELATIVE_ZERO_EIGENVALUE, hermitian=True
+        )
 
     def displacement(self, u: Array, theta: Array) -> Array:
         """(k, p, 3) from displacements and small rotations (k, i, 3) of the interfaces."""
@@ -72,7 +74,7 @@ class Blend:
         n, k, _ = coefficients.shape
         flat = coefficients.reshape(n, -1)
         summed = np.empty((k, len(points), 3))
-        batch = max(BATCH // (3 * n), 1)
+        batch = max(TABLE_BATCH_NUMBERS // (3 * n), 1)
         for first in range(0, len(points), batch):
             here = slice(first, first + batch)
             rows = table(points[here] / self._size) @ flat

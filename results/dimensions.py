@@ -71,7 +71,9 @@ DIMENSIONS = {
     )
 }
 
-FIXED = {name: dimension.entries for name, dimension in DIMENSIONS.items() if dimension.entries}
+FIXED_ENTRIES = {
+    name: dimension.entries for name, dimension in DIMENSIONS.items() if dimension.entries
+}
 """entries of the dimensions that always have the same"""
 
 

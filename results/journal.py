@@ -28,17 +28,17 @@ from typing import Any
 
 from .errors import ResultsError
 
-PAGE = 1 << 14
+PAGE_BYTES = 1 << 14
 """bytes that are compared and replaced together"""
-HEADER = 128
+HEADER_BYTES = 128
 """bytes ahead of the records of a journal: the process that writes, and its file"""
-RECORD = struct.Struct("<QQ")
+RECORD_LAYOUT = struct.Struct("<QQ")
 """an address and a number of bytes; in the first record: the size of the file, and of all others"""
-PARTIAL = ".partial"
+PARTIAL_SUFFIX = ".partial"
 """what the name of the file of a run ends with while earlier results stand at its path"""
-DIGEST = 32
+DIGEST_BYTES = 32
 """bytes of a SHA-256"""
-UNLOCKABLE = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
+ERRNOS_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
 """what file systems without locks answer"""
 
 
@@ -65,14 +65,14 @@ class Journal:
         which = "partial" if file == partial_of(self.target) else "whole"
         header = f"duhamel journal, process {os.getpid()}\n{which}\n"
         os.ftruncate(self._descriptor, 0)
-        os.pwrite(self._descriptor, header.encode().ljust(HEADER, b"\0"), 0)
+        os.pwrite(self._descriptor, header.encode().ljust(HEADER_BYTES, b"\0"), 0)
 
     def write(self, size: int, pieces: list[tuple[int, bytes]], durable: bool) -> None:
         """Keep what is to be done: pieces of the file by address, and its size afterwards."""
-        records = b"".join(RECORD.pack(at, len(piece)) + piece for at, piece in pieces)
-        content = RECORD.pack(size, len(records)) + records
+        records = b"".join(RECORD_LAYOUT.pack(at, len(piece)) + piece for at, piece in pieces)
+        content = RECORD_LAYOUT.pack(size, len(records)) + records
         try:
-            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER)
+            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER_BYTES)
             if durable:
                 os.fsync(self._descriptor)
         except OSError:
@@ -80,7 +80,7 @@ class Journal:
             raise
 
     def clear(self) -> None:
-        os.ftruncate(self._descriptor, HEADER)
+        os.ftruncate(self._descriptor, HEADER_BYTES)
 
     def close(self) -> None:
         if self._handle is not None:
@@ -105,20 +105,20 @@ def journal_of(target: Path) -> Path:
 
 def partial_of(target: Path) -> Path:
     """The file of a run while earlier results stand at the path that it is to have."""
-    return target.with_name(target.name + PARTIAL)
+    return target.with_name(target.name + PARTIAL_SUFFIX)
 
 
 def recover(file: Path) -> None:
     """End what a process that died was about to write to a file, or to the partial one there."""
     _recover(file)
-    if file.name.endswith(PARTIAL):
-        _recover(file.with_name(file.name.removesuffix(PARTIAL)))
+    if file.name.endswith(PARTIAL_SUFFIX):
+        _recover(file.with_name(file.name.removesuffix(PARTIAL_SUFFIX)))
 
 
 def _recover(target: Path) -> None:
     path = journal_of(target)
     try:
-        if path.stat().st_size <= HEADER:
+        if path.stat().st_size <= HEADER_BYTES:
             return
         handle = _held(path)
     except OSError:
@@ -159,7 +159,7 @@ def lock(handle: int) -> bool:
     except BlockingIOError:
         return False
     except OSError as error:
-        if error.errno not in UNLOCKABLE:
+        if error.errno not in ERRNOS_WITHOUT_LOCKS:
             raise
     return True
 
@@ -174,36 +174,42 @@ def unlock(handle: int) -> None:
 def _writer_of(path: Path) -> str:
     """The process that a journal names."""
     with path.open("rb") as file:
-        return file.read(HEADER).partition(b", ")[2].partition(b"\n")[0].decode(errors="replace")
+        return (
+            file.read(HEADER_BYTES).partition(b", ")[2].partition(b"\n")[0].decode(errors="replace")
+        )
 
 
 def _replay(handle: int, target: Path) -> None:
     """Do what a whole journal says, and empty it; nothing where the file is gone."""
     content = os.pread(handle, os.fstat(handle).st_size, 0)
-    header, body, digest = content[:HEADER], content[HEADER:-DIGEST], content[-DIGEST:]
-    if len(body) >= RECORD.size and hashlib.sha256(body).digest() == digest:
+    header, body, digest = (
+        content[:HEADER_BYTES],
+        content[HEADER_BYTES:-DIGEST_BYTES],
+        content[-DIGEST_BYTES:],
+    )
+    if len(body) >= RECORD_LAYOUT.size and hashlib.sha256(body).digest() == digest:
         path = partial_of(target) if header.split(b"\n")[1] == b"partial" else target
         with suppress(FileNotFoundError), path.open("r+b", buffering=0) as file:
-            size, _ = RECORD.unpack_from(body)
-            for at, piece in _records(body[RECORD.size :]):
+            size, _ = RECORD_LAYOUT.unpack_from(body)
+            for at, piece in _records(body[RECORD_LAYOUT.size :]):
                 _write_all(file.fileno(), piece, at)
             os.ftruncate(file.fileno(), size)
             os.fsync(file.fileno())
-    os.ftruncate(handle, min(len(content), HEADER))
+    os.ftruncate(handle, min(len(content), HEADER_BYTES))
 
 
 def _records(content: bytes) -> Iterator[tuple[int, bytes]]:
     first = 0
     while first < len(content):
-        at, length = RECORD.unpack_from(content, first)
-        first += RECORD.size
+        at, length = RECORD_LAYOUT.unpack_from(content, first)
+        first += RECORD_LAYOUT.size
         yield at, content[first : first + length]
         first += length
 
 
 def _pages_of(at: int, n: int) -> range:
     """The numbers of the pages that n bytes touch."""
-    return range(at // PAGE, -(-(at + n) // PAGE))
+    return range(at // PAGE_BYTES, -(-(at + n) // PAGE_BYTES))
 
 
 def _write_all(handle: int, content: bytes | memoryview, at: int) -> None:
@@ -231,7 +237,7 @@ class JournaledFile(io.RawIOBase):
     @property
     def waiting(self) -> int:
         """Bytes in memory."""
-        return PAGE * len(self._pages)
+        return PAGE_BYTES * len(self._pages)
 
     def readable(self) -> bool:
         return True
@@ -268,7 +274,9 @@ class JournaledFile(io.RawIOBase):
     def _is_appended(self, view: memoryview) -> bool:
         """Write what lies beyond the committed end at once, if the disk has room."""
         numbers = _pages_of(self._at, len(view))
-        if numbers.start * PAGE < self._committed or not self._pages.keys().isdisjoint(numbers):
+        if numbers.start * PAGE_BYTES < self._committed or not self._pages.keys().isdisjoint(
+            numbers
+        ):
             return False
         try:
             _write_all(self._handle, view, self._at)
@@ -280,11 +288,11 @@ class JournaledFile(io.RawIOBase):
     def _keep(self, view: memoryview) -> None:
         first, end = self._at, self._at + len(view)
         for number in _pages_of(first, len(view)):
-            start = number * PAGE
-            low, high = max(first, start), min(end, start + PAGE)
+            start = number * PAGE_BYTES
+            low, high = max(first, start), min(end, start + PAGE_BYTES)
             page = bytes(view[low - first : high - first])
-            if len(page) < PAGE:
-                old = self._content(start, PAGE)
+            if len(page) < PAGE_BYTES:
+                old = self._content(start, PAGE_BYTES)
                 page = old[: low - start] + page + old[high - start :]
             self._pages[number] = page
 
@@ -298,8 +306,8 @@ class JournaledFile(io.RawIOBase):
         content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
         for number in _pages_of(at, n):
             if (page := self._pages.get(number)) is not None:
-                start = number * PAGE
-                low, high = max(at, start), min(at + n, start + PAGE)
+                start = number * PAGE_BYTES
+                low, high = max(at, start), min(at + n, start + PAGE_BYTES)
                 content[low - at : high - at] = page[low - start : high - start]
         return bytes(content)
 
@@ -367,7 +375,7 @@ class JournaledFile(io.RawIOBase):
     def _pieces(self) -> Iterator[tuple[int, bytes]]:
         """The changed pages below the size, by address."""
         for number in sorted(self._pages):
-            at = number * PAGE
+            at = number * PAGE_BYTES
             if at < self._size:
                 yield at, self._pages[number][: self._size - at]
 

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .batches import FURTHER_WORKS, EventRows, balance, dissipated, numerical, time_of
 from .quantity import Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
@@ -592,18 +592,18 @@ class Solution(Recorded, group="solver"):
     """(n,) relative residual at the end of the step"""
 
 
-TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
-OWNERS = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
+TIME_QUANTITY = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
+OWNERS_OF_GROUP = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
 """the dimension of the owners of a group, in the order in which results list them"""
-OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
-QUANTITIES = (TIME, *(quantity for kind in OF_STEPS for quantity in kind.quantities))
-EVENTS = Events.quantities
+KINDS_OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
+QUANTITIES = (TIME_QUANTITY, *(quantity for kind in KINDS_OF_STEPS for quantity in kind.quantities))
+EVENT_QUANTITIES = Events.quantities
 """the numbers of an event, in the order of the time loop"""
 EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
-EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
+EVENT_OWNER = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
     "of", rows="event"
 )
-SHARED = {
+SHARED_DIMENSIONS = {
     "stop": "contact",
     "joint": "coupling",
     "spring": "coupling",
@@ -618,7 +618,7 @@ def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
     """The arrays that the time loop fills: dimensions, and True for integers, by name."""
     fields = {
         quantity.source: (
-            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
+            tuple(SHARED_DIMENSIONS.get(dimension, dimension) for dimension in quantity.dimensions),
             quantity.integer,
         )
         for quantity in QUANTITIES

@@ -6,21 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .errors import QuantityError
-from .quantities import KINDS
+from .quantities import KINDS_BY_NAME
 from .results import Results
 from .space import Place
 from .steps import batches
 from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
 
-SPACE = 3
+MAX_VECTOR_COMPONENTS = 3
 """components of a vector, at most: stresses have more, and no length"""
-STRESS = "von_mises:"
-AT_ONCE = 1_000_000
+STRESS_PREFIX = "von_mises:"
+PEAK_BATCH_VALUES = 1_000_000
 """values at points, of all times together, that are in memory"""
-NEGLIGIBLE = 1e-6
+NEGLIGIBLE_COMPONENT_SHARE = 1e-6
 """a component this much smaller than the largest one of a vector is rounding, and left out"""
 
 
@@ -71,7 +71,7 @@ def peaks(
         return _unasked(results, gravities)
     found: list[Peak] = []
     for quantity in quantities:
-        if quantity.startswith(STRESS):
+        if quantity.startswith(STRESS_PREFIX):
             found.append(_stress(results, quantity))
         else:
             found += _alike(results, quantity, gravities)
@@ -89,7 +89,7 @@ def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
 
 def _stress(results: Results, quantity: str) -> Peak:
     """The extremes over time of the largest stress on a body, and the point of the largest."""
-    body = quantity.removeprefix(STRESS)
+    body = quantity.removeprefix(STRESS_PREFIX)
     if body not in results.superelement_files:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
@@ -105,7 +105,7 @@ def largest_over_time(values: Callable[[Array], Array], time: Array, points: int
     values: a function of times (k,), at so many points, of which few enough for memory are taken
     at once.
     """
-    parts = batches(len(time), AT_ONCE // max(points, 1))
+    parts = batches(len(time), PEAK_BATCH_VALUES // max(points, 1))
     return np.concatenate([values(time[rows]).max(axis=1) for rows in parts])
 
 
@@ -119,10 +119,10 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
     within, _ = parse(quantity)
     sizes = np.abs(made.values).max(axis=0)
     for axis, column, size in zip(made.axes, made.values.T, sizes, strict=True):
-        if 0.0 < size < NEGLIGIBLE * sizes.max():
+        if 0.0 < size < NEGLIGIBLE_COMPONENT_SHARE * sizes.max():
             continue
         yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
-    if made.base == "s" and len(made.axes) <= SPACE:
+    if made.base == "s" and len(made.axes) <= MAX_VECTOR_COMPONENTS:
         yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
 
 
@@ -143,7 +143,7 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
 def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
     """Those of the kinds that are looked at unasked, of all that the run recorded of them."""
     found: list[Peak] = []
-    for name, kind in KINDS.items():
+    for name, kind in KINDS_BY_NAME.items():
         if kind.in_peaks:
             with suppress(QuantityError):
                 everything = ":".join([name, *("*" for _ in kind.names)])

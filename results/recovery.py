@@ -15,22 +15,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..files.arrays import Array, Index
 from ..superelement import GeneralizedAlpha, Modes, Superelement, read, stressed
-from ..superelement.validation import Array
 from .contents import SuperelementFile
 from .errors import RecoveryError
 from .rotations import apply_tangent
 
-Index = NDArray[np.int64]
-
-
-STARTS = ("given", "equilibrium")
+STARTS_AT_REST = ("given", "equilibrium")
 """of runs that do not go on from another one, whose modes would not start at rest"""
 
 
-KEPT = 1 << 29
+MAX_KEPT_MODAL_BYTES = 1 << 29
 """bytes of modal coordinates of all bodies that are kept, lest they are stepped again"""
 
 
@@ -38,7 +34,7 @@ class Stepping(NamedTuple):
     """The time integration of a run.
 
     h: steps [s], all the same or one after the other; rule: "consistent" or "paper"; start: one of
-    `STARTS`.
+    `STARTS_AT_REST`.
     """
 
     h: float | Array
@@ -163,7 +159,7 @@ class ModalSteps:
         self._next, self._etas = 0, self._steps()
         size = (2 if self._apart else 1) * 8 * len(p) * len(modes.omega)
         self._kept: list[Array] | None = None
-        if size <= KEPT:
+        if size <= MAX_KEPT_MODAL_BYTES:
             self._kept = [np.empty((len(p), len(modes.omega))) for _ in range(1 + self._apart)]
 
     @property

@@ -10,15 +10,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
-from ..superelement.validation import Array
 from .contents import Contents, SuperelementFile, attributes_of
 from .errors import ExportError, RecoveryError, ResultsError
 from .file import FileSource, netcdf
 from .motion import (
-    EVENTS,
-    TIME,
+    EVENT_QUANTITIES,
+    TIME_QUANTITY,
     BodyMotion,
     ContactMotion,
     CouplerMotion,
@@ -38,8 +38,8 @@ from .outlines import Outlines
 from .outlines import Source as OutlineSource
 from .quantity import Quantity, Recorded
 from .recovery import (
-    KEPT,
-    STARTS,
+    MAX_KEPT_MODAL_BYTES,
+    STARTS_AT_REST,
     Instants,
     ModalSteps,
     in_space,
@@ -49,8 +49,8 @@ from .recovery import (
     second_order_loads,
     stepping,
 )
-from .search import BLOCK, LENGTHS, Extremes, Field, extremes
-from .source import ALL, Selection, Source
+from .search import LENGTH_OF_FIELD, MODAL_BLOCK_STEPS, Extremes, Field, extremes
+from .source import ALL_ROWS, Selection, Source
 from .space import Connection, Place
 from .summary import rows, spanned
 from .validity import Check, Validity
@@ -178,7 +178,7 @@ class Results:
     @property
     def time(self) -> Array:
         """(n,) [s]"""
-        (time,) = self._source.read([(TIME, None)])
+        (time,) = self._source.read([(TIME_QUANTITY, None)])
         return time
 
     @property
@@ -224,7 +224,7 @@ class Results:
         """The file of the superelement of each flexible body."""
         return dict(self._source.contents().superelements)
 
-    def variable(self, name: str, rows: slice = ALL, owner: str = "") -> Array:
+    def variable(self, name: str, rows: slice = ALL_ROWS, owner: str = "") -> Array:
         """A variable over time by its name in a file, or some of its rows (n, ...).
 
         owner: what of it belongs to one alone. `KeyError` if it was not recorded.
@@ -298,7 +298,9 @@ class Results:
         contents, units = self.contents, dict[str, None]()
         axes = contents.axes
         if group == "events":
-            (event,) = (quantity for quantity in EVENTS if quantity.attribute == attribute)
+            (event,) = (
+                quantity for quantity in EVENT_QUANTITIES if quantity.attribute == attribute
+            )
             return event.units(axes, axes["event_owner"].number(owner))[0]
         for name, quantity, entries in attributes_of(contents.quantities, axes, group, owner):
             if name == attribute:
@@ -460,7 +462,10 @@ class Results:
         if made is None or made[0] is not element or made[1].n != len(time):
             run = stepping(self._source.name, self.solver, time)
             made = element, ModalSteps(*self._loads(body, element, of_element), run)
-            if sum(steps.nbytes for _, steps in (made, *self._made_steps.values())) > KEPT:
+            if (
+                sum(steps.nbytes for _, steps in (made, *self._made_steps.values()))
+                > MAX_KEPT_MODAL_BYTES
+            ):
                 self._made_steps.clear()
             self._made_steps[body] = made
             self._made_extremes = {
@@ -468,7 +473,7 @@ class Results:
             }
         return recovery, made[1]
 
-    def field_extremes(self, body: str, name: str, rows: slice = ALL) -> Extremes:
+    def field_extremes(self, body: str, name: str, rows: slice = ALL_ROWS) -> Extremes:
         """The extremes over recorded steps of the largest value of a field at any point of a body.
 
         name: "von_mises" or "displacement"; rows: among these steps, from which its numbers of
@@ -481,8 +486,8 @@ class Results:
         if key not in self._made_extremes:
             stress = name == "von_mises"
             shapes = self._stress_modes(body, recovery) if stress else recovery.phi
-            blocks = modal.blocks(slice(first, last), BLOCK, stress)
-            self._made_extremes[key] = extremes(Field(shapes, LENGTHS[name]), blocks)
+            blocks = modal.blocks(slice(first, last), MODAL_BLOCK_STEPS, stress)
+            self._made_extremes[key] = extremes(Field(shapes, LENGTH_OF_FIELD[name]), blocks)
         return self._made_extremes[key]
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
@@ -513,7 +518,7 @@ class Results:
             raise RecoveryError(
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
             )
-        if (start := self.solver.get("start", "given")) not in STARTS:
+        if (start := self.solver.get("start", "given")) not in STARTS_AT_REST:
             raise RecoveryError(
                 f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )

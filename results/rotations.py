@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 
 
 def rotate(q: Array, x: Array) -> Array:

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..files.arrays import Array
 from ..superelement import Outline
-from ..superelement.validation import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..inputs import dotted, quoted
 from .errors import StudyError
-from .expressions import RESERVED, evaluate, names_in
+from .expressions import RESERVED_WORDS, evaluate, names_in
 from .keys import entries, leaves, value_at
 
 
@@ -25,7 +25,7 @@ def own_names(
     used = {name for definition in derived.values() for name in _names(definition)}
     for name in names:
         where = f"{place if name in parameters else 'derived.'}{dotted([name])}"
-        if not name.isidentifier() or name in RESERVED:
+        if not name.isidentifier() or name in RESERVED_WORDS:
             raise StudyError(f"{where}: expected a word that is no function as a name")
         if name not in used:
             raise StudyError(

@@ -22,7 +22,7 @@ from .samples import Design
 
 AnyPath = Annotated[Path, Field(strict=False)]
 
-COPIES = 20
+MEMORY_PER_FILE_BYTE = 20
 """bytes in memory of a case for each byte of its file"""
 
 
@@ -121,7 +121,7 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     )
     table = None if file.table is None else path.parent / file.table
     points = list(_points(file, table))
-    if lacking := shortage(COPIES * len(points) * base.stat().st_size):
+    if lacking := shortage(MEMORY_PER_FILE_BYTE * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
     derived = definitions(document, file.derived, points[0].parameters)
     place = "parameters." if table is None else f"{table}: column "

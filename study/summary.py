@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 
 from ..files import write_rows
+from ..files.arrays import Array
 from ..files.outputs import in_words
 from ..inputs import InputError, quoted, read_text
-from ..superelement.validation import Array
 from .case import Case
 from .errors import StudyError
 from .study_file import Study, units_beside
 
 STATUS, MESSAGE = "status", "message"
 """columns: that after the parameters, and that after the numbers"""
-UNITS = ("output", "unit")
+UNIT_COLUMNS = ("output", "unit")
 """columns of the file with units"""
 
 
@@ -65,7 +65,7 @@ def write_units(study: Study, rows: Sequence[Row]) -> None:
         return
     found = study.kind.units(done, study.outputs)
     try:
-        write_rows(study.units, [UNITS, *found.items()])
+        write_rows(study.units, [UNIT_COLUMNS, *found.items()])
     except OSError as error:
         raise StudyError(f"{study.units}: cannot be written: {in_words(error)}") from error
 
@@ -75,7 +75,9 @@ def _read_units(path: Path) -> dict[str, str]:
     if not path.is_file():
         return {}
     rows = list(csv.reader(io.StringIO(read_text(path), newline="")))
-    if rows[:1] != [list(UNITS)] or any(len(row) != len(UNITS) for row in rows if row):
+    if rows[:1] != [list(UNIT_COLUMNS)] or any(
+        len(row) != len(UNIT_COLUMNS) for row in rows if row
+    ):
         raise StudyError(f"{path}: no units of a study")
     return {row[0]: row[1] for row in rows[1:] if row}
 

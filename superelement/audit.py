@@ -7,10 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..files.arrays import Array, Complex
 from .cells import normals
 from .checks import (
-    DECADES,
-    ROUNDING,
+    DECADES_OF_DECAY,
+    MAX_RELATIVE_DEVIATION,
     Check,
     as_modes,
     decay,
@@ -23,12 +24,12 @@ from .kernel import sample_kernel
 from .modes import Modes
 from .outline import Outline
 from .superelement import Superelement
-from .transfer import Complex, summed, transfer
-from .validation import SYMMETRY_TOLERANCE, Array
+from .transfer import summed, transfer
+from .validation import SYMMETRY_TOLERANCE
 
-FREQUENCIES = 256
+MAX_TRANSFORM_FREQUENCIES = 256
 """at which transforms are looked at, no more than the kernel has lags"""
-REAL = 8
+N_REAL_DELAYS = 8
 """delays on the real axis, where the transform falls from the compliance to its start"""
 
 
@@ -74,7 +75,9 @@ def _closed(outline: Outline) -> Check:
     areas = normals(outline.points, outline.triangles)
     total = float(np.linalg.norm(areas, axis=1).sum())
     found = float(np.linalg.norm(areas.sum(axis=0))) / max(total, np.finfo(float).tiny)
-    return Check("outline/cells", "a closed surface", "an area without facets", found, ROUNDING)
+    return Check(
+        "outline/cells", "a closed surface", "an area without facets", found, MAX_RELATIVE_DEVIATION
+    )
 
 
 def _free_of_rigid_motion(element: Superelement) -> Check:
@@ -84,15 +87,17 @@ def _free_of_rigid_motion(element: Superelement) -> Check:
     1; elastic ones are at most H.
     """
     kernel = element.kernel
-    d = (decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES, REAL)).astype(complex)
+    d = (
+        decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES_OF_DECAY, N_REAL_DELAYS)
+    ).astype(complex)
     sigma, _ = kernel.scheme.symbols(kernel.h, d)
     back = np.linalg.pinv(_rigid_modes(element))
     excess = back @ (summed(kernel, d).real - element.compliance) @ back.T
     # Of a body that is soft for so short a kernel, the rounding of H would pass for rigid motion.
-    rounding = ROUNDING * np.linalg.norm(back @ element.compliance @ back.T, 2)
+    rounding = MAX_RELATIVE_DEVIATION * np.linalg.norm(back @ element.compliance @ back.T, 2)
     share = sigma.real * (np.linalg.eigvalsh(excess)[:, -1] - rounding)
     found = float(max(0.0, share.max()))
-    return Check("kernel/g", "no rigid motion", "a share of it", found, ROUNDING)
+    return Check("kernel/g", "no rigid motion", "a share of it", found, MAX_RELATIVE_DEVIATION)
 
 
 def _rigid_modes(element: Superelement) -> Array:
@@ -124,7 +129,7 @@ def _passive(element: Superelement) -> Check:
         "passivity, a positive real transform of the velocities",
         "a negative eigenvalue, relative to the diagonal,",
         found,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -151,6 +156,6 @@ def _transfer(element: Superelement, modes: Modes) -> Check:
 def _circle(element: Superelement, last: float) -> Complex:
     """Delays from angle 0 to the last on the circle on which the lags fade away."""
     steps = element.kernel.steps
-    angles = np.linspace(0.0, last, min(FREQUENCIES, steps) + 2)
+    angles = np.linspace(0.0, last, min(MAX_TRANSFORM_FREQUENCIES, steps) + 2)
     d: Complex = decay(steps) * np.exp(-1j * angles)
     return d

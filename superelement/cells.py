@@ -4,14 +4,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .validation import Array, SuperelementError
+from ..files.arrays import Array
+from ..files.arrays import IntArray as IntArray
+from .validation import SuperelementError
 
-IntArray = NDArray[np.int64]
-
-LINE = 2
-TRIANGLES = {
+LINE_POINTS = 2
+TRIANGLES_OF_FACET = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),
     6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
@@ -52,7 +51,9 @@ def sizes(cells: IntArray) -> IntArray:
 
 def triangles(cells: IntArray) -> IntArray:
     """The triangles (m, 3) that all facets are cut into."""
-    cut = [of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES.items()]
+    cut = [
+        of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES_OF_FACET.items()
+    ]
     joined: IntArray = np.concatenate(cut)
     return joined
 

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array
+from ..files.arrays import Complex as Complex
+from .validation import SuperelementError, checked
 
-Complex = NDArray[np.complex128]
-STIFFEST = 1e6
+MAX_AMPLITUDE_SUM = 1e6
 """Sum of the amplitudes above which nothing would be left of the relaxed body."""
 
 
@@ -42,9 +42,10 @@ class Chain:
             raise SuperelementError(
                 f"chain: tau: expected positive times that increase, found {tau.tolist()}"
             )
-        if a.min(initial=0.0) < 0.0 or a.sum(axis=0).max(initial=0.0) > STIFFEST:
+        if a.min(initial=0.0) < 0.0 or a.sum(axis=0).max(initial=0.0) > MAX_AMPLITUDE_SUM:
             raise SuperelementError(
-                f"chain: amplitude: expected numbers >= 0 that add up to {STIFFEST:g} at most, "
+                f"chain: amplitude: expected numbers >= 0 that add up to {MAX_AMPLITUDE_SUM:g} at "
+                "most, "
                 f"found {a.min():.6g} to {a.max():.6g}"
             )
         object.__setattr__(self, "tau", tau)

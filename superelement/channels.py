@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..files.arrays import Array
 from .kernel import Kernel
 from .modes import Modes
 from .pattern import Pattern
 from .sensor import Sensor
-from .validation import Array, SuperelementError, check_symmetric, checked
+from .validation import SuperelementError, check_symmetric, checked
 
 
 @dataclass(frozen=True, eq=False)

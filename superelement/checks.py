@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Superelement
-from .validation import Array, SuperelementError
+from .validation import SuperelementError
 
-ROUNDING = 1e-6
+MAX_RELATIVE_DEVIATION = 1e-6
 """Deviation, relative to the scale of its rows, that solvers of large systems may leave."""
-FLOOR = 1e-4
+MIN_RELATIVE_ROW_SCALE = 1e-4
 """Least scale of a row, relative to the largest of its kind, displacements or rotations: what is
 smaller is rounding of the others.
 """
-DECADES = 12.0
+DECADES_OF_DECAY = 12.0
 """Decades by which the last lag of a kernel fades where its transform is taken."""
 
 
@@ -85,7 +86,7 @@ def deviation(found: Any, expected: Any, scale: Array) -> float:
 def negative_part(A: Any, scale: Array) -> float:
     """The most negative eigenvalue of a Hermitian matrix, its rows on their scale; 0 if none."""
     scaled = A / np.outer(scale, scale)
-    scaled = scaled / max(1.0, ROUNDING * np.abs(scaled).max(initial=0.0))
+    scaled = scaled / max(1.0, MAX_RELATIVE_DEVIATION * np.abs(scaled).max(initial=0.0))
     return float(max(0.0, -np.linalg.eigvalsh(scaled).min(initial=0.0)))
 
 
@@ -100,14 +101,14 @@ def scale_of(element: Superelement, A: Array) -> Array:
     )
     least = np.full(len(diagonal), np.finfo(float).tiny)
     for kind in (moves, ~moves):
-        least[kind] += FLOOR * diagonal[kind].max(initial=0.0)
+        least[kind] += MIN_RELATIVE_ROW_SCALE * diagonal[kind].max(initial=0.0)
     scale: Array = np.sqrt(np.maximum(diagonal, least))
     return scale
 
 
 def decay(steps: int) -> float:
-    """The delay d < 1 at which the lags of a kernel fade over its length: d^steps = 10^-DECADES."""
-    return float(10.0 ** (-DECADES / steps))
+    """The delay d < 1 whose powers fall by `DECADES_OF_DECAY` decades over the kernel's length."""
+    return float(10.0 ** (-DECADES_OF_DECAY / steps))
 
 
 def _inertia(J_rot: Array) -> Check:
@@ -118,7 +119,7 @@ def _inertia(J_rot: Array) -> Check:
         "principal inertias of which two are no less than the third",
         f"{first:.4g}, {second:.4g} and {third:.4g} kg m^2, an excess",
         float(max(0.0, third - first - second) / third),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -128,7 +129,7 @@ def _definite(element: Superelement, where: str, A: Array) -> Check:
         "a positive semidefinite matrix",
         "a negative eigenvalue, relative to the diagonal,",
         negative_part(A, scale_of(element, A)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -148,7 +149,7 @@ def _start(element: Superelement) -> Iterator[Check]:
         "no displacement at once",
         "a displacement, relative to the compliance,",
         deviation(kernel.g_initial[0], np.zeros_like(H), scale_of(element, H)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -158,7 +159,7 @@ def _at_most(element: Superelement, where: str, what: str, A: Array, bound: Arra
         what,
         "an excess, relative to that,",
         negative_part(bound - A, scale_of(element, bound)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -189,7 +190,7 @@ def _of_channels(element: Superelement) -> Iterator[Check]:
             "a positive semidefinite matrix",
             "a negative eigenvalue, relative to the diagonal,",
             negative_part(A, own),
-            ROUNDING,
+            MAX_RELATIVE_DEVIATION,
         )
         alone = getattr(element, name)
         yield as_modes(element, f"channels/{name}", "that of the interfaces", A[:n, :n], alone)
@@ -212,7 +213,7 @@ def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
             f"projections by {name} that give the shapes back",
             "a difference from the unit matrix",
             float(np.abs(rows @ by_mass.T - np.eye(len(rows))).max(initial=0.0)),
-            ROUNDING,
+            MAX_RELATIVE_DEVIATION,
         )
     J = element.J_rot.diagonal()
     share = (rotation.phi_inertia**2).sum(axis=1) / np.concatenate([4.0 * J, J])
@@ -221,7 +222,7 @@ def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
         "changes of inertia that the mass of the body allows",
         "an excess, relative to that,",
         float(max(0.0, share.max() - 1.0)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
     for name in ("cubic", "quartic"):
         if (tensor := getattr(rotation, name)) is not None:
@@ -242,7 +243,7 @@ def _bounded(squares: Array, cubic: Array, quartic: Array) -> Check:
         "no negative strain energy along a coordinate",
         "too little, relative to the largest,",
         missing / largest,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -256,7 +257,7 @@ def _of_energy(where: str, tensor: Array) -> Check:
         "the same numbers in any order of the indices",
         "a difference, relative to the largest,",
         max(float(np.abs(tensor - other).max(initial=0.0)) for other in turned) / largest,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -269,7 +270,7 @@ def as_modes(element: Superelement, where: str, what: str, found: Any, expected:
         "a difference, relative to the diagonal,",
         deviation(found, expected, scale_of(element, sizes.max(axis=0))),
         # A kernel that is not from modes may differ from them by the error that it states.
-        ROUNDING + 10.0 * element.kernel.error,
+        MAX_RELATIVE_DEVIATION + 10.0 * element.kernel.error,
     )
 
 

@@ -7,10 +7,11 @@ import h5py
 import numpy as np
 
 from ..files import hdf5
-from .validation import Array, SuperelementError, check_shape, checked
+from ..files.arrays import Array
+from .validation import SuperelementError, check_shape, checked
 
 Value = TypeVar("Value", str, int)
-CHUNK = 1 << 20
+CHUNK_BYTES = 1 << 20
 """bytes of a chunk, no more than HDF5 keeps at hand; what is no larger is written as it is"""
 
 
@@ -27,10 +28,10 @@ def put_large(parent: h5py.Group, name: str, data: Any, units: str = "", kind: A
     """
     kind = data.dtype if kind is None else np.dtype(kind)
     row = kind.itemsize * max(1, data[:1].size)
-    if row * len(data) <= CHUNK:
+    if row * len(data) <= CHUNK_BYTES:
         found = parent.create_dataset(name, data=data.astype(kind, copy=False))
     else:
-        chunks = (max(1, CHUNK // row), *data.shape[1:])
+        chunks = (max(1, CHUNK_BYTES // row), *data.shape[1:])
         found = parent.create_dataset(
             name,
             data.shape,

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array
+from .validation import SuperelementError, checked
 
 
 @dataclass(frozen=True, eq=False)

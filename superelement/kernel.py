@@ -5,12 +5,13 @@ from itertools import repeat
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
 from .response import respond
 from .scheme import GeneralizedAlpha
-from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_positive, check_symmetric, checked
 
-BLOCK = 64
+PRODUCT_ROWS = 64
 """Rows of a matrix product."""
 
 
@@ -105,17 +106,17 @@ def spread(phi: Array, coefficients: Array) -> Array:
     """phi diag(c_k) phi^T (n_k, n_c, n_c) for rows c_k of real coefficients, exactly symmetric.
 
     Matrix products over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
-    large mesh. BLAS rounds products of few rows otherwise than those of many: all have `BLOCK`
-    rows, so that a matrix does not depend on how many follow it.
+    large mesh. BLAS rounds products of few rows otherwise than those of many: all have
+    `PRODUCT_ROWS` rows, so that a matrix does not depend on how many follow it.
     """
     n_c, n_k = len(phi), len(coefficients)
     i, j = np.triu_indices(n_c)
     pairs = (phi[i] * phi[j]).T
-    block = np.zeros((BLOCK, len(phi.T)))
+    block = np.zeros((PRODUCT_ROWS, len(phi.T)))
     g = np.empty((n_k, n_c, n_c))
-    for first in range(0, n_k, BLOCK):
-        rows = coefficients[first : first + BLOCK]
+    for first in range(0, n_k, PRODUCT_ROWS):
+        rows = coefficients[first : first + PRODUCT_ROWS]
         block[: len(rows)] = rows
-        g[first : first + BLOCK, i, j] = (block @ pairs)[: len(rows)]
+        g[first : first + PRODUCT_ROWS, i, j] = (block @ pairs)[: len(rows)]
     g[:, j, i] = g[:, i, j]
     return g

@@ -4,15 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chain import Chain, Complex
-from .validation import Array, SuperelementError, check_positive, checked
+from ..files.arrays import Array, Complex
+from .chain import Chain
+from .validation import SuperelementError, check_positive, checked
 
-OVERDAMPED = 1e6
+MAX_MODAL_DAMPING_RATIO = 1e6
 """Damping ratio above which nothing would move for the time of a run; Rayleigh's damping gives the
 highest modes of fine meshes some hundred.
 """
 
-ITERATIONS = 20
+RESONANCE_ITERATIONS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +46,10 @@ class Modes:
             check_positive("modes: omega", float(omega.min()))
         if m and zeta.min() < 0.0:
             raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
-        if m and zeta.max() > OVERDAMPED:
+        if m and zeta.max() > MAX_MODAL_DAMPING_RATIO:
             raise SuperelementError(
-                f"modes: zeta: expected ratios up to {OVERDAMPED:g}, found {zeta.max()}"
+                f"modes: zeta: expected ratios up to {MAX_MODAL_DAMPING_RATIO:g}, found "
+                f"{zeta.max()}"
             )
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
             raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
@@ -71,7 +73,7 @@ class Modes:
         By iteration, for the stiffness changes far less than the frequency.
         """
         w = self.omega
-        for _ in range(ITERATIONS if self.chain is not None else 0):
+        for _ in range(RESONANCE_ITERATIONS if self.chain is not None else 0):
             w = self.omega * np.sqrt(self._factor(w).real)
         return w
 

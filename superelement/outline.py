@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from .cells import LINE, TRIANGLES, IntArray, checked_cells, of_size, sizes, triangles
+from ..files.arrays import Array, IntArray
+from .cells import LINE_POINTS, TRIANGLES_OF_FACET, checked_cells, of_size, sizes, triangles
 from .recovery import Recovery
-from .validation import Array, SuperelementError, checked
+from .validation import SuperelementError, checked
 
-NEAR = 1e-6
+RELATIVE_POINT_DISTANCE = 1e-6
 """of the size of a body: how far apart points may be that are the same"""
 
 
@@ -31,7 +32,7 @@ class Outline:
     def __post_init__(self) -> None:
         points = checked("outline: points", self.points, ("p", 3))
         cells = checked_cells("outline: cells", self.cells, len(points))
-        known = np.isin(sizes(cells), [LINE, *TRIANGLES])
+        known = np.isin(sizes(cells), [LINE_POINTS, *TRIANGLES_OF_FACET])
         if not known.all():
             raise SuperelementError(
                 "outline: cells: expected 2, 3, 4, 6, 8 or 9 points each, found "
@@ -50,7 +51,7 @@ class Outline:
     @property
     def lines(self) -> IntArray:
         """Its lines (l, 2)."""
-        return of_size(self.cells, LINE)
+        return of_size(self.cells, LINE_POINTS)
 
     @property
     def n_facets(self) -> int:
@@ -81,7 +82,9 @@ class Outline:
         if node.max(initial=-1) >= n or (self.node is None and len(node) != n):
             return False
         size = float(np.ptp(self.points, axis=0).max(initial=0.0))
-        return np.allclose(recovery.points[node], self.anchors, rtol=0.0, atol=NEAR * size)
+        return np.allclose(
+            recovery.points[node], self.anchors, rtol=0.0, atol=RELATIVE_POINT_DISTANCE * size
+        )
 
 
 def _checked_nodes(value: Any, n_points: int) -> IntArray:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .chain import Chain, Complex
+from ..files.arrays import Complex
+from .chain import Chain
 from .modes import Modes
 
 

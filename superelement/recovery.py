@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .cells import IntArray, checked_cells
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array, IntArray
+from .cells import checked_cells
+from .validation import SuperelementError, checked
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,10 @@ from itertools import repeat
 
 import numpy as np
 
+from ..files.arrays import Array
 from .chain import Springs
 from .modes import Modes
 from .scheme import GeneralizedAlpha
-from .validation import Array
 
 
 def respond(

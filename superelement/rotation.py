@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
-from .validation import Array, SuperelementError, checked
+from .validation import SuperelementError, checked
 
-INERTIA = 6
+N_INERTIA_CHANGES = 6
 """changes of the moments of inertia, in the order 11, 22, 33, 23, 13, 12"""
 
 
@@ -48,9 +49,9 @@ class Rotation:
         T = checked("rotation: T", self.T, ("r", "m"))
         r, m = T.shape
         shapes = {
-            "phi_inertia": (INERTIA, m),
+            "phi_inertia": (N_INERTIA_CHANGES, m),
             "A_interface": ("n_c", r, r),
-            "A_inertia": (INERTIA, r, r),
+            "A_inertia": (N_INERTIA_CHANGES, r, r),
             "gyroscopic": (3, r, r),
             "kappa": ("candidates",),
         }

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from ..files.arrays import Complex
 
 
 @dataclass(frozen=True)
@@ -53,9 +52,7 @@ class GeneralizedAlpha:
         """d v / d q of one step, eq. (76) [1/s]."""
         return self.gamma / (self.beta * h)
 
-    def symbols(
-        self, h: float, delay: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def symbols(self, h: float, delay: Complex) -> tuple[Complex, Complex]:
         """The discrete symbols of s^2 and s: accelerations and velocities per unit displacement.
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+from ..files.arrays import Array
 from .pattern import check_name
-from .validation import Array, SuperelementError, checked
+from .validation import SuperelementError, checked
 
-KINDS: dict[str, tuple[str, ...]] = {
+CHANNELS_OF_KIND: dict[str, tuple[str, ...]] = {
     "motion": ("x", "y", "z"),
     "strain": ("strain",),
     "stress": ("xx", "yy", "zz", "yz", "xz", "xy"),
@@ -27,13 +28,14 @@ class Sensor:
 
     def __post_init__(self) -> None:
         check_name("sensor", self.name)
-        if self.kind not in KINDS:
+        if self.kind not in CHANNELS_OF_KIND:
             raise SuperelementError(
-                f"sensor {self.name!r}: kind: expected {', '.join(KINDS)}, found {self.kind!r}"
+                f"sensor {self.name!r}: kind: expected {', '.join(CHANNELS_OF_KIND)}, found "
+                f"{self.kind!r}"
             )
         object.__setattr__(self, "X", checked(f"sensor {self.name!r}: X", self.X, (3,)))
 
     @property
     def channels(self) -> tuple[str, ...]:
         """The names of its channels."""
-        return KINDS[self.kind]
+        return CHANNELS_OF_KIND[self.kind]

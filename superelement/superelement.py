@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..files.html import listed, table
 from . import summary
 from .channels import Channels
@@ -18,7 +19,7 @@ from .recovery import Recovery
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
-from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_positive, check_symmetric, checked
 
 
 class StepWarning(UserWarning):

@@ -1,13 +1,11 @@
 """Transfer functions: z-transforms of kernels, in closed form from modes, and summed over lags."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..files.arrays import Complex as Complex
 from .kernel import Kernel, spread
 from .modes import Modes
 from .scheme import GeneralizedAlpha
-
-Complex = NDArray[np.complex128]
 
 
 def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:

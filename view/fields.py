@@ -9,7 +9,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from ..superelement.cells import TRIANGLES, triangles
+from ..superelement.cells import TRIANGLES_OF_FACET, triangles
 from ..superelement.validation import Array
 from .picture import style
 from .scene import IntArray, Marker, Patch, Scene, draw_scene
@@ -85,5 +85,5 @@ def _triangles(field: Field) -> tuple[Array, Array]:
     corners = np.concatenate([field.points, field.values[:, None]], axis=1)
     both = corners[triangles(field.cells)]
     both = np.concatenate([both, 0.5 * (both + np.roll(both, -1, axis=1))], axis=1)
-    both = both[:, list(TRIANGLES[6])].reshape(-1, 3, 4)
+    both = both[:, list(TRIANGLES_OF_FACET[6])].reshape(-1, 3, 4)
     return both[:, :, :3], both[:, :, 3].mean(axis=1)

@@ -10,9 +10,9 @@ from pathlib import Path
 from ...files.outputs import in_words, remove_orphans, resolved, temporary_prefix
 from ..errors import ExportError
 
-UNFINISHED = "export"
+UNFINISHED_NAME = "export"
 """the name that hidden folders of files stand for until they appear"""
-LONGEST = 100
+MAX_FILE_NAME = 100
 """characters of the name of a file"""
 
 
@@ -51,7 +51,7 @@ def exported(folder: str | os.PathLike[str]) -> Iterator[Export]:
     is removed too. `ExportError` where it cannot be made.
     """
     place = Path(folder)
-    made, unfinished = _make(place), place / UNFINISHED
+    made, unfinished = _make(place), place / UNFINISHED_NAME
     try:
         with _failures_named(place):
             remove_orphans(unfinished)
@@ -86,7 +86,7 @@ def _failures_named(path: Path) -> Iterator[None]:
         raise ExportError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
-def distinct(names: Iterable[str], longest: int = LONGEST) -> list[str]:
+def distinct(names: Iterable[str], longest: int = MAX_FILE_NAME) -> list[str]:
     """The names, cut to a length, with numbers behind those that others have already.
 
     Small and capital letters count as the same, as they do in the names of files of some systems.

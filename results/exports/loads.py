@@ -20,8 +20,8 @@ from typing import Literal
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...superelement import Superelement
-from ...superelement.validation import Array
 from ..errors import ExportError
 from ..results import Results
 from ..rotations import inverse, rotate
@@ -37,7 +37,7 @@ FIRST_SET = 9000
 """the number of the load of Nastran that combines the others"""
 ALL_ELEMENTS = "EALL"
 """the element set of Abaqus with all elements of the body"""
-WIDTH = 16
+NASTRAN_FIELD_WIDTH = 16
 """characters of a number in a large field of Nastran"""
 FULL_TURN = 2.0 * np.pi
 
@@ -291,12 +291,12 @@ def _card(name: str, *fields: str | float) -> list[str]:
 def _field(value: str | float) -> str:
     """A number in 16 characters, with as many digits as fit."""
     if isinstance(value, str | int):
-        return f"{value:>{WIDTH}}"
+        return f"{value:>{NASTRAN_FIELD_WIDTH}}"
     for digits in range(12, 6, -1):
         text = f"{value:.{digits}E}"
-        if len(text) <= WIDTH:
-            return f"{text:>{WIDTH}}"
-    return f"{value:{WIDTH}.6E}"
+        if len(text) <= NASTRAN_FIELD_WIDTH:
+            return f"{text:>{NASTRAN_FIELD_WIDTH}}"
+    return f"{value:{NASTRAN_FIELD_WIDTH}.6E}"
 
 
 Lines = Callable[[LoadSet], Iterator[str]]

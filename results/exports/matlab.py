@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...files.memory import gigabytes, shortage
-from ...superelement.validation import Array
 from ..contents import attributes_of
 from ..errors import ExportError
-from ..motion import EVENTS, OWNERS
+from ..motion import EVENT_QUANTITIES, OWNERS_OF_GROUP
 from ..quantity import Quantity
 from ..results import Results
 from .folder import distinct, exported
 
-MOST = (1 << 31) - 1
+MAX_VARIABLE_BYTES = (1 << 31) - 1
 """bytes of a variable in a file of version 5"""
-LONGEST = 63
+MAX_MATLAB_NAME = 63
 """characters of a name in MATLAB"""
-KEYWORDS = frozenset(
+MATLAB_KEYWORDS = frozenset(
     [
         "break",
         "case",
@@ -86,10 +86,10 @@ def identifiers(names: Iterable[str]) -> list[str]:
     words = [re.sub(r"\W", "_", name, flags=re.ASCII) for name in names]
     return distinct(
         [
-            f"x{word}" if not re.match("[A-Za-z]", word) or word in KEYWORDS else word
+            f"x{word}" if not re.match("[A-Za-z]", word) or word in MATLAB_KEYWORDS else word
             for word in words
         ],
-        LONGEST,
+        MAX_MATLAB_NAME,
     )
 
 
@@ -100,7 +100,7 @@ def _require_room(results: Results, target: Path, rows: slice) -> None:
         size = 8 * n * int(np.prod(quantity.shape(axes)))
         sizes[quantity.group] = sizes.get(quantity.group, 0) + size
     largest = max(sizes, key=lambda group: sizes[group])
-    if sizes[largest] > MOST:
+    if sizes[largest] > MAX_VARIABLE_BYTES:
         raise ExportError(
             f"{target}: {largest} would take {gigabytes(sizes[largest])}, and a MATLAB file of "
             f"version 5 holds 2 GB a variable: expected fewer steps; ncread of MATLAB reads the "
@@ -115,7 +115,7 @@ def _owned(results: Results, rows: slice) -> Struct:
     """A structure for each group with owners."""
     contents = results.contents
     groups: Struct = {}
-    for group, dimension in OWNERS.items():
+    for group, dimension in OWNERS_OF_GROUP.items():
         if dimension in contents.axes:
             owners = contents.axes[dimension].names
             variables = {
@@ -152,7 +152,9 @@ def _events(results: Results) -> Struct:
     events = results.events
     structs = []
     for owner, of_owner in events.items():
-        arrays = {one.attribute: _column(getattr(of_owner, one.attribute)) for one in EVENTS}
+        arrays = {
+            one.attribute: _column(getattr(of_owner, one.attribute)) for one in EVENT_QUANTITIES
+        }
         units = {name: results.unit("events", owner, name) for name in arrays}
         structs.append(_struct({"name": owner, **arrays}, units))
     return dict(zip(identifiers(events), structs, strict=True))

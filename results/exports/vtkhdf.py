@@ -9,17 +9,14 @@ from dataclasses import dataclass
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, IntArray
 
-IntArray = NDArray[np.int64]
-
-VERSION = (2, 2)
-CHUNK = 1 << 15
+VTKHDF_VERSION = (2, 2)
+CHUNK_POINTS = 1 << 15
 """points that HDF5 compresses together"""
-COMPRESSION = 4
-SHAPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
+GZIP_LEVEL = 4
+VTK_CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 """types of cells in VTK by their number of points: vertex, line, triangle, quad, quadratic ones"""
 
 
@@ -41,7 +38,7 @@ class Cells:
         """Of rows of point numbers (n, k), which -1 fills."""
         given = rows >= 0
         sizes = given.sum(axis=1)
-        types = np.array([SHAPES[size] for size in sizes.tolist()], dtype=np.int64)
+        types = np.array([VTK_CELL_TYPES[size] for size in sizes.tolist()], dtype=np.int64)
         return cls(points, rows[given].astype(np.int64), np.append(0, np.cumsum(sizes)), types)
 
     @classmethod
@@ -77,7 +74,7 @@ class Grid:
     ) -> None:
         self._points, self._steps = cells.points, len(times)
         self._root = file.create_group("VTKHDF", track_order=True)
-        self._root.attrs["Version"] = np.array(VERSION, dtype=np.int64)
+        self._root.attrs["Version"] = np.array(VTKHDF_VERSION, dtype=np.int64)
         self._root.attrs["Type"] = np.bytes_("UnstructuredGrid")
         self._written: dict[str, int] = {}
         self._offsets = cells.points * np.arange(len(times))
@@ -107,9 +104,9 @@ class Grid:
             path,
             shape=(total, *rows.shape[1:]),
             dtype=rows.dtype,
-            chunks=(max(1, min(total, CHUNK)), *rows.shape[1:]),
+            chunks=(max(1, min(total, CHUNK_POINTS)), *rows.shape[1:]),
             compression="gzip",
-            compression_opts=COMPRESSION,
+            compression_opts=GZIP_LEVEL,
             shuffle=True,
         )
         if path != "Points":

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...superelement.validation import Array
+from ...files.arrays import Array
 from ..errors import SeriesError
 from .fourier import periodogram
 from .sampling import sampled
 
-FRACTIONS = (1, 2, 3, 6, 12, 24)
-RATIO = 10.0**0.3
+OCTAVE_FRACTIONS = (1, 2, 3, 6, 12, 24)
+OCTAVE_RATIO = 10.0**0.3
 """of frequencies an octave apart, G"""
-REFERENCE = 1000.0
+BAND_REFERENCE_FREQUENCY = 1000.0
 """[Hz]"""
 
 
@@ -39,8 +39,10 @@ def band_edges(lowest: float, highest: float, fraction: int = 3) -> tuple[Array,
     shift = 0.0 if fraction % 2 else half
     first = math.ceil((_octaves(lowest) + half - shift) * fraction - 1e-9)
     last = math.floor((_octaves(highest) - half - shift) * fraction + 1e-9)
-    center: Array = REFERENCE * RATIO ** (np.arange(first, last + 1) / fraction + shift)
-    return center, center * RATIO**-half, center * RATIO**half
+    center: Array = BAND_REFERENCE_FREQUENCY * OCTAVE_RATIO ** (
+        np.arange(first, last + 1) / fraction + shift
+    )
+    return center, center * OCTAVE_RATIO**-half, center * OCTAVE_RATIO**half
 
 
 def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
@@ -53,7 +55,7 @@ def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
     _check(fraction)
     series = sampled(time, values)
     width, nyquist = series.rate / len(series.time), 0.5 / series.coarsest
-    lowest = width / (RATIO ** (1.0 / fraction) - 1.0)
+    lowest = width / (OCTAVE_RATIO ** (1.0 / fraction) - 1.0)
     center, lower, upper = band_edges(lowest, nyquist, fraction)
     if not len(center):
         raise SeriesError(
@@ -72,13 +74,13 @@ def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
 
 
 def _check(fraction: int) -> None:
-    if fraction not in FRACTIONS:
+    if fraction not in OCTAVE_FRACTIONS:
         raise SeriesError(
-            f"expected bands of 1/b octave with b of {', '.join(map(str, FRACTIONS))}, "
+            f"expected bands of 1/b octave with b of {', '.join(map(str, OCTAVE_FRACTIONS))}, "
             f"found {fraction:g}"
         )
 
 
 def _octaves(frequency: float) -> float:
     """Octaves above 1000 Hz."""
-    return math.log(frequency / REFERENCE) / math.log(RATIO)
+    return math.log(frequency / BAND_REFERENCE_FREQUENCY) / math.log(OCTAVE_RATIO)

@@ -4,22 +4,22 @@ import math
 
 import numpy as np
 
-from ...superelement.validation import Array
+from ...files.arrays import Array
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
-CLASSES = (60, 180, 600, 1000)
+CHANNEL_CLASSES = (60, 180, 600, 1000)
 """of channels: the frequency up to which they are level [Hz]"""
-SAMPLING = 10.0
+MIN_SAMPLES_PER_CLASS_PERIOD = 10.0
 """samples in a period of the class, at least: SAE J211"""
-CORNER = 2.0775
+CORNER_OVER_CLASS = 2.0775
 """of a pass over the class: 5/3 / (sqrt 2 - 1)^(1/4), so that two passes have -3 dB at 5/3"""
 MIRRORED, FEWEST, PERIODS = 0.01, 100, 3
 """what is added at either end, at least: seconds, samples (ISO 6487), and periods of the corner"""
-BOTH_PASSES = math.sqrt(2.0) - 1.0
+CORNER_OF_BOTH_PASSES = math.sqrt(2.0) - 1.0
 """(f / corner)^(2 order) of a pass where two passes have -3 dB"""
-KINDS = ("lowpass", "highpass", "bandpass")
-HIGHEST_ORDER = 20
+FILTER_KINDS = ("lowpass", "highpass", "bandpass")
+MAX_FILTER_ORDER = 20
 
 
 def cfc(time: Array, values: Array, channel_class: float) -> Sampled:
@@ -34,17 +34,21 @@ def cfc(time: Array, values: Array, channel_class: float) -> Sampled:
         (1 + sqrt(2) w + w^2) y_k = w^2 (x_k + 2 x_{k-1} + x_{k-2}) + 2 (1 - w^2) y_{k-1}
                                     - (1 - sqrt(2) w + w^2) y_{k-2}
     """
-    if channel_class not in CLASSES:
+    if channel_class not in CHANNEL_CLASSES:
         raise SeriesError(
-            f"expected a channel class of {', '.join(map(str, CLASSES))}, found {channel_class:g}"
+            f"expected a channel class of {', '.join(map(str, CHANNEL_CLASSES))}, found "
+            f"{channel_class:g}"
         )
     series = sampled(time, values)
-    if (rate := 1.0 / series.coarsest) < (1.0 - 1e-9) * SAMPLING * channel_class:
+    if (rate := 1.0 / series.coarsest) < (
+        1.0 - 1e-9
+    ) * MIN_SAMPLES_PER_CLASS_PERIOD * channel_class:
         raise SeriesError(
-            f"CFC {channel_class:g}: expected {SAMPLING * channel_class:g} samples per second or "
+            f"CFC {channel_class:g}: expected {MIN_SAMPLES_PER_CLASS_PERIOD * channel_class:g} "
+            "samples per second or "
             f"more, found {rate:.6g}"
         )
-    w = math.tan(math.pi * CORNER * channel_class * series.step)
+    w = math.tan(math.pi * CORNER_OVER_CLASS * channel_class * series.step)
     whole = 1.0 + math.sqrt(2.0) * w + w**2
     b = np.array([1.0, 2.0, 1.0]) * w**2 / whole
     a = np.array([1.0, -2.0 * (1.0 - w**2) / whole, (1.0 - math.sqrt(2.0) * w + w**2) / whole])
@@ -62,12 +66,12 @@ def butterworth(
     """
     from scipy.signal import butter
 
-    if kind not in KINDS:
-        raise SeriesError(f"expected a filter of {', '.join(KINDS)}, found {kind!r}")
+    if kind not in FILTER_KINDS:
+        raise SeriesError(f"expected a filter of {', '.join(FILTER_KINDS)}, found {kind!r}")
     if len(corners) != (expected := 2 if kind == "bandpass" else 1):
         raise SeriesError(f"{kind}: expected {expected} corners [Hz], found {len(corners)}")
-    if not 1 <= order <= HIGHEST_ORDER:
-        raise SeriesError(f"order: expected 1 to {HIGHEST_ORDER}, found {order}")
+    if not 1 <= order <= MAX_FILTER_ORDER:
+        raise SeriesError(f"order: expected 1 to {MAX_FILTER_ORDER}, found {order}")
     series = sampled(time, values)
     nyquist = 0.5 / series.coarsest
     rising = all(low < high for low, high in zip((0.0, *corners), (*corners, nyquist), strict=True))
@@ -88,7 +92,7 @@ def butterworth(
 def _of_one_pass(corner: float, side: str, order: int, step: float) -> float:
     """The corner of one pass, over half the sampling rate, so that two have -3 dB at `corner`."""
     power = -1.0 if side == "low" else 1.0
-    analog = math.tan(math.pi * corner * step) * BOTH_PASSES ** (power / (2 * order))
+    analog = math.tan(math.pi * corner * step) * CORNER_OF_BOTH_PASSES ** (power / (2 * order))
     return 2.0 / math.pi * math.atan(analog)
 
 

@@ -3,16 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
-SCALES = ("transient", "amplitude", "rms")
-SEGMENTS = 8
+SPECTRUM_SCALES = ("transient", "amplitude", "rms")
+WELCH_SEGMENTS = 8
 """of Welch's method, which overlap by half"""
-WINDOWS = ("rectangular", "hann", "hamming", "blackman", "blackmanharris", "flattop")
+WINDOW_NAMES = ("rectangular", "hann", "hamming", "blackman", "blackmanharris", "flattop")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +32,11 @@ def fourier(
         |X(f)| = |integral of w(t) x(t) e^(-2 pi i f t) dt|
 
     `amplitude`, that of a sine at a frequency of the spectrum, or its `rms`, in the unit of the
-    series, whatever the window. window: one of `WINDOWS`; for amplitudes `flattop`, which is right
-    to 0.01 dB between the frequencies of the spectrum too.
+    series, whatever the window. window: one of `WINDOW_NAMES`; for amplitudes
+    `flattop`, which is right to 0.01 dB between the frequencies of the spectrum too.
     """
-    if scale not in SCALES:
-        raise SeriesError(f"expected a scale of {', '.join(SCALES)}, found {scale!r}")
+    if scale not in SPECTRUM_SCALES:
+        raise SeriesError(f"expected a scale of {', '.join(SPECTRUM_SCALES)}, found {scale!r}")
     series = sampled(time, values)
     weights = _window(window, len(series.time))
     frequency, X = _transformed(series, weights)
@@ -110,7 +109,7 @@ def periodogram(series: Sampled) -> Spectrum:
     return Spectrum(frequency, sides * np.abs(X / len(series.time)) ** 2)
 
 
-def _transformed(series: Sampled, weights: Array) -> tuple[Array, NDArray[np.complex128]]:
+def _transformed(series: Sampled, weights: Array) -> tuple[Array, Complex]:
     shaped = weights.reshape(-1, *[1] * (series.values.ndim - 1))
     frequency = np.fft.rfftfreq(len(weights), series.step).astype(np.float64)
     return frequency, np.fft.rfft(shaped * series.values, axis=0)
@@ -128,8 +127,8 @@ def _sides(n: int) -> Array:
 def _window(name: str, n: int) -> Array:
     from scipy.signal import get_window
 
-    if name not in WINDOWS:
-        raise SeriesError(f"expected a window of {', '.join(WINDOWS)}, found {name!r}")
+    if name not in WINDOW_NAMES:
+        raise SeriesError(f"expected a window of {', '.join(WINDOW_NAMES)}, found {name!r}")
     weights: Array = get_window("boxcar" if name == "rectangular" else name, n)
     return weights
 
@@ -138,7 +137,7 @@ def _segment(series: Sampled, resolution: float | None) -> int:
     """The samples of a segment."""
     n = len(series.time)
     if resolution is None:
-        return max(3, 2 * n // (SEGMENTS + 1))
+        return max(3, 2 * n // (WELCH_SEGMENTS + 1))
     length = round(series.rate / resolution) if resolution > 0.0 else 0
     if not 3 <= length <= n:
         raise SeriesError(

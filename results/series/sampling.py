@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...superelement.validation import Array
+from ...files.arrays import Array
 from ..errors import SeriesError
 
-ROUNDING = 1e-4
+RELATIVE_STEP_ROUNDING = 1e-4
 """by which steps may differ from equal ones or from multiples, relative: times are written as
 numbers of a few digits"""
-LONGEST = 20_000_000
+MAX_RESAMPLED_SAMPLES = 20_000_000
 """samples after resampling"""
 
 
@@ -48,10 +48,10 @@ def sampled(time: Array, values: Array) -> Sampled:
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     _check(time, values)
     steps = np.diff(time)
-    if len(steps) > 1 and steps[-1] < (1.0 - ROUNDING) * steps[-2]:
+    if len(steps) > 1 and steps[-1] < (1.0 - RELATIVE_STEP_ROUNDING) * steps[-2]:
         time, values, steps = time[:-1], values[:-1], steps[:-1]
     shortest, coarsest = float(steps.min()), float(steps.max())
-    if coarsest <= (1.0 + ROUNDING) * shortest:
+    if coarsest <= (1.0 + RELATIVE_STEP_ROUNDING) * shortest:
         return Sampled(time, values, coarsest)
     return _filled(time, values, steps)
 
@@ -60,15 +60,16 @@ def _filled(time: Array, values: Array, steps: Array) -> Sampled:
     """Linear between the samples, at multiples of the shortest step."""
     shortest, coarsest = float(steps.min()), float(steps.max())
     ratios = np.round(steps / shortest)
-    if np.abs(steps / shortest - ratios).max() > ROUNDING * coarsest / shortest:
+    if np.abs(steps / shortest - ratios).max() > RELATIVE_STEP_ROUNDING * coarsest / shortest:
         raise SeriesError(
             f"expected equal time steps, or multiples of the shortest one, "
             f"found steps from {shortest:.6g} to {coarsest:.6g} s"
         )
     whole = np.concatenate([[0.0], np.cumsum(ratios)])
-    if whole[-1] >= LONGEST:
+    if whole[-1] >= MAX_RESAMPLED_SAMPLES:
         raise SeriesError(
-            f"steps from {shortest:.6g} to {coarsest:.6g} s: expected at most {LONGEST} samples "
+            f"steps from {shortest:.6g} to {coarsest:.6g} s: expected at most "
+            f"{MAX_RESAMPLED_SAMPLES} samples "
             f"of the shortest one, found {whole[-1]:.6g}"
         )
     fine = np.arange(whole[-1] + 1.0)

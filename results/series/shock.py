@@ -5,29 +5,26 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
-Complex = NDArray[np.complex128]
-
-RESPONSES = ("absolute", "static", "pseudo-velocity", "displacement")
+RESPONSE_KINDS = ("absolute", "static", "pseudo-velocity", "displacement")
 """absolute acceleration; static: equivalent static acceleration; relative displacement"""
-EXTREMES = ("maximax", "positive", "negative")
-SPANS = ("overall", "primary", "residual")
-OVERSAMPLING = 10.0
+EXTREME_KINDS = ("maximax", "positive", "negative")
+RESPONSE_SPANS = ("overall", "primary", "residual")
+MIN_SAMPLES_PER_PERIOD = 10.0
 """samples in a period that a series must have at the highest frequency: MIL-STD-810"""
-RESOLVED = 64.0
+INSTANTS_PER_PERIOD = 64.0
 """instants in a period at which the response is looked at: extremes are right to 0.12 %"""
-REFERENCE = 1000.0
+SPECTRUM_REFERENCE_FREQUENCY = 1000.0
 """a frequency of every series of them [Hz]"""
-LOWEST = 5.0
+DEFAULT_MIN_FREQUENCY = 5.0
 """where the frequencies begin unless told otherwise [Hz]"""
-MOST = 10_000
+MAX_SPECTRUM_FREQUENCIES = 10_000
 """frequencies"""
-SMALL = 0.5
+MAX_SERIES_ARGUMENT = 0.5
 """of |p|, below which (e^p - 1 - p) / p^2 is summed as a series"""
 
 
@@ -53,13 +50,14 @@ def octave_frequencies(lowest: float, highest: float, per_octave: int = 12) -> A
         raise SeriesError(
             f"expected frequencies 0 < from < to, found from {lowest:.6g} to {highest:.6g} Hz"
         )
-    if per_octave < 1 or per_octave * math.log2(highest / lowest) > MOST:
+    if per_octave < 1 or per_octave * math.log2(highest / lowest) > MAX_SPECTRUM_FREQUENCIES:
         raise SeriesError(
-            f"per_octave: expected 1 or more, and at most {MOST} frequencies, found {per_octave}"
+            f"per_octave: expected 1 or more, and at most {MAX_SPECTRUM_FREQUENCIES} frequencies, "
+            f"found {per_octave}"
         )
-    first = math.ceil(per_octave * math.log2(lowest / REFERENCE) - 1e-9)
-    last = math.floor(per_octave * math.log2(highest / REFERENCE) + 1e-9)
-    found: Array = REFERENCE * 2.0 ** (np.arange(first, last + 1) / per_octave)
+    first = math.ceil(per_octave * math.log2(lowest / SPECTRUM_REFERENCE_FREQUENCY) - 1e-9)
+    last = math.floor(per_octave * math.log2(highest / SPECTRUM_REFERENCE_FREQUENCY) + 1e-9)
+    found: Array = SPECTRUM_REFERENCE_FREQUENCY * 2.0 ** (np.arange(first, last + 1) / per_octave)
     if not len(found):
         raise SeriesError(
             f"from {lowest:.6g} to {highest:.6g} Hz: found no frequency of 1000 Hz * "
@@ -114,21 +112,24 @@ def shock_spectrum(
 
 
 def _frequencies(series: Sampled, frequencies: Array | None) -> Array:
-    highest = 1.0 / (OVERSAMPLING * series.coarsest)
+    highest = 1.0 / (MIN_SAMPLES_PER_PERIOD * series.coarsest)
     if frequencies is None:
-        if highest <= LOWEST:
+        if highest <= DEFAULT_MIN_FREQUENCY:
             raise SeriesError(
-                f"expected steps below {1.0 / (OVERSAMPLING * LOWEST):.3g} s for oscillators from "
-                f"{LOWEST:g} Hz on, found {series.coarsest:.6g} s: give lower frequencies"
+                "expected steps below "
+                f"{1.0 / (MIN_SAMPLES_PER_PERIOD * DEFAULT_MIN_FREQUENCY):.3g} s for oscillators "
+                f"from {DEFAULT_MIN_FREQUENCY:g} Hz on, found {series.coarsest:.6g} s: give lower "
+                "frequencies"
             )
-        return octave_frequencies(LOWEST, highest)
+        return octave_frequencies(DEFAULT_MIN_FREQUENCY, highest)
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if frequencies.ndim != 1 or not frequencies.size or not (frequencies > 0.0).all():
         raise SeriesError("expected frequencies (m,), one or more, above zero")
     if (top := float(frequencies.max())) > (1.0 + 1e-9) * highest:
         raise SeriesError(
             f"{top:.6g} Hz: expected frequencies up to {highest:.6g} Hz, a tenth of the sampling "
-            f"rate; for this one the steps must be {1.0 / (OVERSAMPLING * top):.3g} s at most, "
+            f"rate; for this one the steps must be {1.0 / (MIN_SAMPLES_PER_PERIOD * top):.3g} s at "
+            "most, "
             f"found {series.coarsest:.6g} s"
         )
     return frequencies
@@ -148,7 +149,7 @@ def _extremes(
         "pseudo-velocity": -omega,
         "displacement": -1.0,
     }[response] / damped
-    fine = max(1, math.ceil(RESOLVED * frequency * step))
+    fine = max(1, math.ceil(INSTANTS_PER_PERIOD * frequency * step))
     motion = factor * _oscillate(step / fine, _refined(base, fine), pole)
     seen = [np.zeros(1)]
     if span != "residual":
@@ -176,7 +177,7 @@ def _oscillate(step: float, base: Array, pole: complex) -> Complex:
 
 def _phi_2(p: complex) -> complex:
     """(e^p - 1 - p) / p^2 without cancellation."""
-    if abs(p) > SMALL:
+    if abs(p) > MAX_SERIES_ARGUMENT:
         return complex((np.expm1(p) - p) / p**2)
     total, term = 0j, 0.5 + 0j
     for k in range(3, 20):
@@ -207,9 +208,9 @@ def _ringing(motion: complex, pole: complex) -> Array:
 
 def _check_choices(response: str, extreme: str, span: str) -> None:
     choices: tuple[tuple[str, Any, tuple[str, ...]], ...] = (
-        ("response", response, RESPONSES),
-        ("extreme", extreme, EXTREMES),
-        ("span", span, SPANS),
+        ("response", response, RESPONSE_KINDS),
+        ("extreme", extreme, EXTREME_KINDS),
+        ("span", span, RESPONSE_SPANS),
     )
     for name, value, known in choices:
         if value not in known:

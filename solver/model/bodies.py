@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...superelement import Rotation, Superelement
-from ...superelement.rotation import INERTIA
+from ...superelement.rotation import N_INERTIA_CHANGES
 from ..arrays import Array
 from ..schema.entry import Beside, Entry, entry
 from ..schema.values import ABSENT, ORIGIN, FrameName, Inertia, Name, Positive, Vector
@@ -148,7 +148,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     def n_inner(self) -> int:
         """Those of terms of second order, six of inertia and q, which follow."""
         second = self.rotation
-        return 0 if second is None else INERTIA + second.r
+        return 0 if second is None else N_INERTIA_CHANGES + second.r
 
     @property
     def n_dofs(self) -> int:
