@@ -15,16 +15,19 @@ from .heaps import require_ending_heaps
 from .memory import available
 from .regular import FileError, in_one_line, require_regular
 
+# Bounds the time that a visit of all groups and datasets takes.
 MOST_LINKS = 100_000
-"""of a file"""
+# A dataset may declare more than it stores, for what was never written is zero; up to here that
+# does no harm.
 MAX_SPARSE_BYTES = 1 << 26
-"""bytes up to which a dataset may declare more than it stores: what was never written is zero"""
+# Of declared to stored bytes. Numbers that vary compress to no less than a tenth, so more is a
+# file made to exhaust memory.
 MAX_COMPRESSION_RATIO = 100
-"""of declared to stored bytes; numbers that vary are compressed to no less than a tenth"""
+# Asking how much memory is free takes longer than to read as little as this.
 UNCHECKED_BYTES = 1 << 20
-"""bytes that are read without asking what memory is free: that takes longer than to read them"""
+# 64 MiB of text in a dataset or an attribute.
 MOST_TEXT = 1 << 26
-"""bytes of text in a dataset or an attribute"""
+# h5py raises any of them for wrong bytes, depending on where in the structure they are.
 DAMAGE_ERRORS = (
     ArithmeticError,
     LookupError,
@@ -33,7 +36,6 @@ DAMAGE_ERRORS = (
     TypeError,
     ValueError,
 )
-"""exceptions of h5py on a file with wrong bytes, each for other parts of its structure"""
 
 
 @contextmanager

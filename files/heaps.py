@@ -11,10 +11,10 @@ import struct
 from .regular import FileError
 
 HEAP_SIGNATURE = b"GCOL\1\0\0\0"
+# Of a heap, and of each object in it.
 HEAP_HEADER_BYTES = 16
-"""bytes ahead of the objects of a heap, and of each object"""
+# 256 MiB take a tenth of a second.
 MAX_SCANNED_BYTES = 1 << 28
-"""bytes of a file: a tenth of a second"""
 
 
 def require_ending_heaps(path: str | os.PathLike[str]) -> None:

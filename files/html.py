@@ -5,8 +5,8 @@ from html import escape
 
 Row = tuple[str, str]
 """what it is, and its value; a value of several lines keeps them"""
+# Characters; a longer value would hide the rest of the table.
 MAX_HTML_VALUE = 2000
-"""characters of a value"""
 
 
 def table(title: str, rows: Iterable[Row]) -> str:

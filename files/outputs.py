@@ -11,8 +11,8 @@ from pathlib import Path
 from platform import node
 from typing import Any
 
+# File systems end names at 255 bytes, and a temporary name is longer than that of its file.
 MAX_KEPT_NAME = 50
-"""characters of a name that its temporary file has too: names end at 255 bytes"""
 
 AnyPath = str | os.PathLike[str]
 

@@ -10,12 +10,12 @@ from threading import Event, Thread
 from time import perf_counter
 from types import TracebackType
 
+# [s] between lines of progress where there is no terminal.
 LINE_INTERVAL = 5.0
-"""between lines of progress where there is no terminal [s]"""
+# [s]: work that is shorter shows no bar, which would only flicker.
 BAR_DELAY = 1.0
-"""before a bar is shown [s]"""
+# [s] between pictures of a bar.
 BAR_INTERVAL = 0.2
-"""between pictures of a bar [s]"""
 
 
 class Work:

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from reprlib import Repr
 from typing import Any
 
+# An error stays on a few lines of a terminal whatever the file holds.
 MAX_QUOTED_LENGTH = 200
-"""characters of a value that an error quotes"""
 
 
 class InputError(ValueError):

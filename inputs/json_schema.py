@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+# The draft that TOML extensions of editors support.
 SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
-"""as editors know it"""
+# Descriptions are cut after the first sentence; abbreviations are not followed by a capital.
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z`])")
-"""between two sentences"""
 Schema = dict[str, Any]
 NO_SCHEMA: Mapping[str, Any] = {}
 

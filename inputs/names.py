@@ -1,13 +1,13 @@
 """Names that users give to what they make."""
 
+# Characters; a name must fit into messages, legends and names of files.
 MAX_NAME_LENGTH = 100
-"""characters"""
 
 
+# They separate names: frames from bodies, groups of files, the parts of a quantity.
 NAME_SEPARATORS = frozenset("./:")
-"""They separate names: frames from bodies, groups of files, the parts of a quantity."""
+# What a name must be, in the words of errors.
 NAME_FORM = f"1 to {MAX_NAME_LENGTH} printable characters without '.', '/' and ':'"
-"""of a name, in the words of errors"""
 
 
 def is_name(name: str) -> bool:

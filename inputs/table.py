@@ -18,10 +18,10 @@ from .errors import InputError, dotted, quoted
 from .json_schema import describe
 from .text import parse_toml, read_text
 
+# Characters: a text is a name, a path, a formula or a line of words.
 MAX_TEXT_LENGTH = 1000
-"""characters of a text"""
+# One line reports as many; further ones often follow from the first.
 MOST_FAILURES = 5
-"""of a file that one line tells"""
 
 
 def expected(form: str) -> WrapValidator:

@@ -9,12 +9,12 @@ from typing import Any
 from ..files import FileError, in_one_line, require_regular
 from .errors import MAX_QUOTED_LENGTH, InputError, dotted, quoted
 
+# 64 MiB: files that people write are far smaller, so a larger one is a mistake.
 MOST_BYTES = 1 << 26
-"""of a text file"""
+# Deeper tables are a mistake, or made to exhaust the stack of what reads them.
 MAX_NESTING = 32
-"""tables and arrays within one another"""
+# TOML promises 64 bits; Python would read any number of digits.
 TOML_INTEGERS = range(-(1 << 63), 1 << 63)
-"""those of TOML"""
 Keys = tuple[str, ...]
 
 

@@ -51,12 +51,9 @@ class Batch(NamedTuple):
 
 
 STORED_ENERGIES = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
+# Energies are derived from these arrays (n,) [J] of the time loop: the work of springs and dampers
+# on bodies; the work of loads on modes, less their energy; the loss by modal damping.
 FURTHER_WORKS = ("compliance_work", "modal_loss", "modal_damping")
-"""further arrays of the time loop (n,) [J], from which energies are derived
-
-The work of springs and dampers on bodies; the work of the loads on modes, less their energy; and
-the energy that modal damping took.
-"""
 
 
 def time_of(batch: Batch) -> Array:

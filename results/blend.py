@@ -8,12 +8,12 @@ import numpy as np
 from ..files.arrays import Array
 from ..superelement import Outline
 
+# Relative to the largest eigenvalue of the conditions: what is smaller is rounding.
 RELATIVE_ZERO_EIGENVALUE = 1e-13
-"""eigenvalue of the conditions, relative to the largest, that counts as none"""
+# With more interfaces these lie so close together that their displacements alone show the turns.
 MAX_TURNING_INTERFACES = 300
-"""interfaces up to which their rotations are followed too; more lie close together"""
+# 16 MiB of numbers, so that memory does not grow with the number of points.
 TABLE_BATCH_NUMBERS = 1 << 21
-"""numbers of a table of functions at points that are held at once"""
 
 
 class Blend:

@@ -22,8 +22,8 @@ from .space import Space
 
 RESULTS_FORMAT = "duhamel-results"
 RESULTS_VERSION = 8
+# All that files since this version hold has the same meaning today.
 EARLIEST_VERSION = 3
-"""of which all that is there is the same"""
 
 
 class SuperelementFile(NamedTuple):

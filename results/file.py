@@ -32,21 +32,20 @@ from .source import ALL_ROWS, Selection, Source
 from .space import Space
 from .space_file import put_space, read_space
 
+# Seconds to wait for other programs that have the file open.
 LOCK_WAIT = 5.0
-"""seconds to wait for others who have the file open"""
+# Seconds that a run waits for them: rows can wait in memory, the time loop should not.
 LOCK_WAIT_OF_RUN = 0.1
-"""seconds that a run waits for them while rows can wait in memory"""
+# 256 MiB of rows; then the run does wait for the file, as long as any writer.
 MAX_WAITING_BYTES = 1 << 28
-"""bytes of rows that may wait in memory"""
+# About 256 KiB: HDF5 reads and compresses whole chunks.
 ROW_CHUNK_BYTES = 1 << 18
-"""bytes that HDF5 keeps together, about"""
+# Also where a row of very many bodies alone is larger: series are read along the rows.
 MIN_CHUNK_ROWS = 16
-"""rows of a chunk, however many bodies there are"""
 TEXT_OF_RESULTS = h5py.string_dtype()
 CHUNK_EVENTS = 512
-"""events of a chunk"""
+# Values of the validity criteria.
 CHECK_VALUES_VARIABLE = "check_value"
-"""the variable with the values of the checks of validity"""
 
 
 class Extent(NamedTuple):

@@ -28,18 +28,19 @@ from typing import Any
 
 from .errors import ResultsError
 
+# Files are compared and replaced by pages of this size: HDF5 changes a few bytes in many places.
 PAGE_BYTES = 1 << 14
-"""bytes that are compared and replaced together"""
+# Ahead of the records: the process that writes, and its file.
 HEADER_BYTES = 128
-"""bytes ahead of the records of a journal: the process that writes, and its file"""
+# An address and a number of bytes. In the first record these are the size of the file, and that of
+# all other records.
 RECORD_LAYOUT = struct.Struct("<QQ")
-"""an address and a number of bytes; in the first record: the size of the file, and of all others"""
+# A run writes here while earlier results stand at its path: a run that fails keeps them.
 PARTIAL_SUFFIX = ".partial"
-"""what the name of the file of a run ends with while earlier results stand at its path"""
+# Length of a SHA-256.
 DIGEST_BYTES = 32
-"""bytes of a SHA-256"""
+# What network and container file systems without locks answer; then there is no lock to wait for.
 ERRNOS_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
-"""what file systems without locks answer"""
 
 
 class BusyError(OSError):

@@ -593,16 +593,17 @@ class Solution(Recorded, group="solver"):
 
 
 TIME_QUANTITY = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
+# The dimension of the owners of a group, in the order in which results list them.
 OWNERS_OF_GROUP = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
-"""the dimension of the owners of a group, in the order in which results list them"""
 KINDS_OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
 QUANTITIES = (TIME_QUANTITY, *(quantity for kind in KINDS_OF_STEPS for quantity in kind.quantities))
+# The numbers of an event in the order in which the time loop writes them.
 EVENT_QUANTITIES = Events.quantities
-"""the numbers of an event, in the order of the time loop"""
 EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
 EVENT_OWNER = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
     "of", rows="event"
 )
+# The time loop numbers all couplings together, results have an axis for each kind.
 SHARED_DIMENSIONS = {
     "stop": "contact",
     "joint": "coupling",
@@ -611,7 +612,6 @@ SHARED_DIMENSIONS = {
     "spring_component": "row",
     "coupler": "row",
 }
-"""dimensions that couplings share in the time loop"""
 
 
 def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:

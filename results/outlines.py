@@ -20,12 +20,12 @@ from .space import Place, Space
 
 Source = Literal["rigid", "recovery", "interfaces"]
 OUTLINE_FIELDS = ("displacement", "velocity", "von_mises")
+# 256 MiB: views go back and forth in time, and reading the motion again is slower.
 MAX_KEPT_MOTION_BYTES = 1 << 28
-"""bytes of motions that are kept, which is less time than to read them again"""
+# Relative to the size of a body.
 RELATIVE_COORDINATE_ROUNDING = 1e-9
-"""of coordinates, over the size of a body"""
+# Relative to the size of the whole model: a box for a body of which no shape is known.
 RELATIVE_PLACEHOLDER_EDGE = 0.05
-"""edge of the box of a body of which nothing is known, in the size of the run"""
 
 
 class Run(Protocol):

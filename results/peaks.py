@@ -15,13 +15,13 @@ from .steps import batches
 from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
 
+# Stresses have more components, and no length.
 MAX_VECTOR_COMPONENTS = 3
-"""components of a vector, at most: stresses have more, and no length"""
 STRESS_PREFIX = "von_mises:"
+# Values at points times steps in memory together.
 PEAK_BATCH_VALUES = 1_000_000
-"""values at points, of all times together, that are in memory"""
+# A component so much smaller than the largest of its vector is rounding, and left out.
 NEGLIGIBLE_COMPONENT_SHARE = 1e-6
-"""a component this much smaller than the largest one of a vector is rounding, and left out"""
 
 
 @dataclass(frozen=True)

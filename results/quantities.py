@@ -24,8 +24,8 @@ from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
+# Vectors in these units act about an axis; all others act along one.
 UNITS_ABOUT_AXES = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
-"""units of vectors about an axis; others are along one"""
 BODY_OR_FRAME = "BODY|FRAME"
 
 
@@ -227,8 +227,8 @@ def _of_records() -> dict[str, Kind]:
     return {name: _recorded(variables) for name, variables in names.items()}
 
 
+# As legends of plots have them.
 ENERGY_LABELS = {one.attribute: _words(one)[0] for one in Energy.quantities}
-"""energies as a legend has them"""
 KINDS_BY_NAME = _of_records() | {
     "displacement": Kind(
         displacement,

@@ -22,12 +22,12 @@ from .contents import SuperelementFile
 from .errors import RecoveryError
 from .rotations import apply_tangent
 
+# A run that continues another one starts with modes in motion, which its file does not have.
 STARTS_AT_REST = ("given", "equilibrium")
-"""of runs that do not go on from another one, whose modes would not start at rest"""
 
 
+# 512 MiB of modal coordinates: stepping them again takes far longer than reading memory.
 MAX_KEPT_MODAL_BYTES = 1 << 29
-"""bytes of modal coordinates of all bodies that are kept, lest they are stepped again"""
 
 
 class Stepping(NamedTuple):

@@ -21,14 +21,13 @@ from ..files.arrays import Array, Index
 from ..superelement import von_mises
 from .steps import batches
 
+# Values at points times steps in memory together.
 SEARCH_BATCH_VALUES = 1_000_000
-"""values at points, of all steps together, that are in memory"""
+# Intervals are halved down to single steps, so this is a power of two.
 FIRST_INTERVAL_STEPS = 64
-"""steps of the intervals with which the search begins; a power of two"""
+# Modal coordinates of as many steps are in memory.
 MODAL_BLOCK_STEPS = 64 * FIRST_INTERVAL_STEPS
-"""steps of which the modal coordinates are in memory"""
 LOW_BLOCK_STEPS = 16
-"""steps of which the smallest value is sought at once"""
 
 
 @dataclass(frozen=True)
@@ -76,11 +75,11 @@ def euclidean(components: Array) -> Array:
     return lengths
 
 
+# How a field is measured where its extremes are sought.
 LENGTH_OF_FIELD: dict[str, Callable[[Array], Array]] = {
     "von_mises": von_mises,
     "displacement": euclidean,
 }
-"""of the fields that are searched for"""
 
 
 def extremes(field: Field, blocks: Iterable[tuple[int, Array]]) -> Extremes:

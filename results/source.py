@@ -14,7 +14,6 @@ from .space import Space
 Selection = tuple[Quantity, Any]
 """a quantity, and entries of its second dimension: a number, a slice, or None for all"""
 ALL_ROWS = slice(None)
-"""rows"""
 
 
 class Source(Protocol):

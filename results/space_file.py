@@ -16,8 +16,8 @@ from .space import Connection, ContactShape, Space
 
 SPACE_GROUP = "space"
 TEXT_OF_SPACE = h5py.string_dtype()
+# The name that the netCDF library gives to a dimension without a variable; others look for it.
 WITHOUT_VALUES = "This is a netCDF dimension but not a netCDF variable.%10d"
-"""the name of a dimension without a variable, as the netCDF library gives it"""
 
 
 def put_space(file: h5py.File, space: Space) -> None:

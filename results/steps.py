@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from ..files.arrays import Array, Index
 from .errors import ExportError
 
+# Relative to the length of the run: times are sums of many steps.
 RELATIVE_TIME_ROUNDING = 1e-9
-"""of times, in the length of the run"""
 
 
 def window(time: Array, start: float | None = None, end: float | None = None) -> slice:

@@ -40,10 +40,10 @@ Applied = tuple[Array, Array]
 
 TIME, FREQUENCY = "s", "Hz"
 """units of the abscissa"""
+# [m/s^2], exact by definition (CGPM 1901).
 STANDARD_GRAVITY = 9.80665
-"""[m/s^2]"""
+# The unit of an acceleration in g, and the power of g in it.
 IN_G = {"m/s²": ("g", 1), "m/s² s": ("g s", 1), "(m/s²)²/Hz": ("g²/Hz", 2)}
-"""units of accelerations, in g, and the power of g in them"""
 ACCELERATION_UNITS = ("m/s²", "rad/s²")
 
 
@@ -301,8 +301,8 @@ TRANSFORMS = {
         required=2,
     ),
 }
+# The only transform that changes nothing but the unit.
 IN_GRAVITIES = "g"
-"""the transform that only changes the unit"""
 
 Step = tuple[str, Given]
 """the name of a transform, and its arguments"""

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+# Of one criterion: a model of hundreds of bodies would hide the others.
 MAX_SHOWN_WARNINGS = 10
-"""warnings of one criterion that are written out"""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,6 @@ class Criterion:
 
 _DIVIDE_BODY = "divide the body into several superelements"
 MEND_DEFORMATION = f"{_DIVIDE_BODY}, or check loads and units"
-"""what to do where a body deforms beyond linear elasticity"""
 _ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
 _CRITERIA_IN_ORDER = (
     Criterion(
@@ -381,8 +380,8 @@ _CRITERIA_IN_ORDER = (
         measures="by how much the rate of an angle missed it over a step",
     ),
 )
+# By name, in the order of the tables.
 CRITERIA = {criterion.name: criterion for criterion in _CRITERIA_IN_ORDER}
-"""all criteria by name, in the order of tables"""
 
 
 class UsedStep(NamedTuple):

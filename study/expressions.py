@@ -47,14 +47,14 @@ NAMED_FUNCTIONS: dict[str, Callable[..., Number]] = {
         *(abs, min, max, round, math.floor, math.ceil),
     )
 }
+# Characters; formulas that people write are far shorter.
 MAX_EXPRESSION_LENGTH = 1000
-"""characters of an expression"""
+# Integers of TOML have 64 bits.
 MAX_TOML_INTEGER = 2**63 - 1
-"""integer of TOML"""
+# They cannot be names of parameters.
 RESERVED_WORDS = frozenset({*NAMED_CONSTANTS, *NAMED_FUNCTIONS})
-"""words that are no names of parameters"""
+# What an operator can raise on numbers, a deep tree and a huge power included.
 ARITHMETIC_FAULTS = (ArithmeticError, ValueError, TypeError, RecursionError, MemoryError)
-"""what arithmetic raises"""
 
 
 def evaluate(text: str, look_up: LookUp) -> Any:

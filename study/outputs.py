@@ -42,12 +42,12 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
     "argmax": lambda time, samples: float(time[samples.argmax()]),
     "argmin": lambda time, samples: float(time[samples.argmin()]),
 }
+# Reductions that make sense over frequency too.
 OF_SPECTRA = ("max", "min", "argmax", "argmin")
-"""the reductions that also hold over frequency"""
+# Reductions that give a time or a frequency, not a value.
 OF_TIMES = ("argmax", "argmin")
-"""the reductions that give a time or a frequency"""
+# The reduction that takes the value at a time or frequency.
 VALUE_REDUCTION = "value"
-"""the reduction that takes the value at a time or frequency"""
 
 
 OF_EVENTS: dict[str, Callable[[Array], float]] = {
@@ -59,12 +59,12 @@ OF_EVENTS: dict[str, Callable[[Array], float]] = {
     "sum": lambda samples: float(samples.sum()),
     "count": lambda samples: float(len(samples)),
 }
+# Reductions that are defined without any event.
 OF_NOTHING = ("sum", "count")
-"""which also hold for no events"""
 EVENT_WORD = "event"
 EVENT_COLUMNS = tuple(quantity.attribute for quantity in EVENT_QUANTITIES)
+# Also of contacts that were closed at the start or at the end of the run.
 ALWAYS_KNOWN = ("start", "peak", "impulse", "dissipated")
-"""also of contacts that were closed at the start or at the end of the run"""
 
 
 def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:

@@ -15,8 +15,8 @@ from .errors import StudyError
 from .keys import leaves
 from .samples import MOST_CASES, Design, is_distribution, sampled
 
+# The column of a table that names its cases.
 NAME_COLUMN = "case"
-"""the column of a table that names its cases"""
 
 
 @dataclass(frozen=True)

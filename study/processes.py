@@ -13,16 +13,16 @@ from ..files.memory import available
 from .case import Case, Kind
 from .workers import Report, attempt
 
+# A case that ends as many processes is to blame itself, not the machine.
 MOST_DEATHS = 4
-"""of processes by one case, which then is to blame"""
+# A process with its packages and a small case.
 BYTES_OF_PROCESS = 250e6
-"""bytes of a process with its packages and a small case"""
+# New processes, not copies: a fork would inherit the locks of this one's threads.
 SPAWN_CONTEXT = multiprocessing.get_context("spawn")
-"""new processes: copies of this one would have its threads' locks"""
+# Each process has one core; more threads of linear algebra would compete for it.
 LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""of linear algebra, in the environment: a process is for one core"""
+# Keeps Python from importing what lies in the user's folder.
 SAFE_PATH = "PYTHONSAFEPATH"
-"""in the environment: Python imports nothing that lies in the folder that the user is in"""
 
 
 class _Process(Protocol):

@@ -14,9 +14,8 @@ from .errors import StudyError
 from .keys import leaves
 
 MOST_CASES = 100_000
-"""of a study"""
+# Half the spacing of numbers below 1: probabilities of 0 and 1 would give infinite values.
 MIN_TAIL_PROBABILITY = 2.0**-53
-"""probability that the tails of a normal distribution leave out"""
 
 
 class Design(Table):

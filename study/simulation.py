@@ -24,8 +24,8 @@ from .keys import matching
 from .outputs import check, units, values
 
 SUPERELEMENT_KEYS = "bodies.*.superelement"
+# Signals that are columns of files.
 SIGNAL_FILE_KEYS = "*.file"
-"""signals that are columns of files"""
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from .samples import Design
 
 AnyPath = Annotated[Path, Field(strict=False)]
 
+# Bytes in memory of a case for each byte of its file: Python objects hold the parsed tables.
 MEMORY_PER_FILE_BYTE = 20
-"""bytes in memory of a case for each byte of its file"""
 
 
 class _StudyFile(Table):

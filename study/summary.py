@@ -20,8 +20,8 @@ from .study_file import Study, units_beside
 
 STATUS, MESSAGE = "status", "message"
 """columns: that after the parameters, and that after the numbers"""
+# Columns of the file with units.
 UNIT_COLUMNS = ("output", "unit")
-"""columns of the file with units"""
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from .errors import ClusterError
 if TYPE_CHECKING:
     from distributed import Client
 
+# [s], for a scheduler and its first worker.
 MAX_SCHEDULER_WAIT = 60
-"""longest wait for a scheduler and its first worker [s]"""
 
 
 @dataclass(frozen=True)

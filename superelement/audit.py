@@ -27,10 +27,10 @@ from .superelement import Superelement
 from .transfer import summed, transfer
 from .validation import SYMMETRY_TOLERANCE
 
+# Each costs a sum over all lags; a kernel with fewer lags has no more independent values.
 MAX_TRANSFORM_FREQUENCIES = 256
-"""at which transforms are looked at, no more than the kernel has lags"""
+# Along the real axis the transform falls smoothly from the compliance to the first lag.
 N_REAL_DELAYS = 8
-"""delays on the real axis, where the transform falls from the compliance to its start"""
 
 
 def check(element: Superelement) -> tuple[Check, ...]:

@@ -10,6 +10,7 @@ from ..files.arrays import IntArray as IntArray
 from .validation import SuperelementError
 
 LINE_POINTS = 2
+# By the number of points of a facet, corners before middle nodes as in meshio.
 TRIANGLES_OF_FACET = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),
@@ -17,7 +18,6 @@ TRIANGLES_OF_FACET = {
     8: ((0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)),
     9: tuple((a, b, 8) for a, b in pairwise((0, 4, 1, 5, 2, 6, 3, 7, 0))),
 }
-"""the triangles that a facet is cut into, by its number of points, corners first as in meshio"""
 
 
 def checked_cells(name: str, value: Any, n_points: int) -> IntArray:

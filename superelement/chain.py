@@ -8,8 +8,8 @@ from ..files.arrays import Array
 from ..files.arrays import Complex as Complex
 from .validation import SuperelementError, checked
 
+# Beyond this ratio of glassy to relaxed stiffness nothing is left of the relaxed body.
 MAX_AMPLITUDE_SUM = 1e6
-"""Sum of the amplitudes above which nothing would be left of the relaxed body."""
 
 
 @dataclass(frozen=True, eq=False)

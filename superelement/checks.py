@@ -16,14 +16,13 @@ from .scheme import GeneralizedAlpha
 from .superelement import Superelement
 from .validation import SuperelementError
 
+# Iterative solvers of large systems leave that much, relative to the scale of the rows.
 MAX_RELATIVE_DEVIATION = 1e-6
-"""Deviation, relative to the scale of its rows, that solvers of large systems may leave."""
+# Relative to the largest row of its kind, displacements or rotations: what is smaller is rounding
+# of the others.
 MIN_RELATIVE_ROW_SCALE = 1e-4
-"""Least scale of a row, relative to the largest of its kind, displacements or rotations: what is
-smaller is rounding of the others.
-"""
+# A transform ends with the last lag of a kernel, which must be rounding at the delays looked at.
 DECADES_OF_DECAY = 12.0
-"""Decades by which the last lag of a kernel fades where its transform is taken."""
 
 
 @dataclass(frozen=True)

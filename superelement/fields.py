@@ -11,8 +11,8 @@ from ..files.arrays import Array
 from .validation import SuperelementError, check_shape, checked
 
 Value = TypeVar("Value", str, int)
+# HDF5 caches chunks of up to 1 MiB by default; data that fit into one need none.
 CHUNK_BYTES = 1 << 20
-"""bytes of a chunk, no more than HDF5 keeps at hand; what is no larger is written as it is"""
 
 
 def put(parent: h5py.Group, name: str, data: Any, units: str) -> None:

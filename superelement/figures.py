@@ -8,14 +8,14 @@ from ..files.arrays import Array, IntArray
 from .cells import padded
 from .outline import Outline
 
+# A polygon of 32 corners stays within 0.5 % of the circle.
 POINTS_AROUND_AXIS = 32
-"""points around a cylinder or a sphere"""
+# Between the poles: as far apart as the points around the axis.
 RINGS_OF_SPHERE = 15
-"""of a sphere between its poles"""
+# Corners are counted along z first, then y, then x.
 _FACES_OF_BOX = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
-"""of a box, whose corners are counted along z first, then y, then x"""
 
 
 def box(edges: Any, center: Any = (0.0, 0.0, 0.0), axes: Array | None = None) -> Outline:

@@ -51,24 +51,22 @@ from .validation import SuperelementError
 
 SUPERELEMENT_FORMAT = "duhamel-superelement"
 SUPERELEMENT_VERSION = 5
+# Version 1 has the accelerance under another name.
 ACCELERANCE_DATASETS = {1: "static/mobility"} | dict.fromkeys(
     range(2, SUPERELEMENT_VERSION + 1), "static/accelerance"
 )
-"""the dataset of the accelerance, by version: version 1 has it under another name"""
+# The versions from which on a file may hold a part; in earlier ones such a group is unknown, and
+# passed over.
 FIRST_WITH_ROTATION = 3
-"""the version from which on a superelement may have a rotation"""
 FIRST_WITH_CHAIN = 4
-"""the version from which on modes may have a chain"""
 FIRST_WITH_CHANNELS = 4
-"""the version from which on it may have load patterns and sensors"""
 FIRST_WITH_OUTLINE = 5
-"""the version from which on it may have an outline"""
+# The digest of rigid properties and positions of interfaces, which nothing else in the file can
+# confirm.
 PLACEMENT_ATTRIBUTE = "sha256"
-"""the attribute with the digest of rigid properties and positions of interfaces"""
 MAX_LISTED_VALUES = 10
-"""values that an error lists"""
+# Two projections of each soft shape: by stiffness (K) and by mass (M).
 ROTATION_FORM = "KM"
-"""two projections of each soft shape, in stiffness and in mass"""
 
 
 @overload

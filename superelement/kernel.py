@@ -11,8 +11,8 @@ from .response import respond
 from .scheme import GeneralizedAlpha
 from .validation import SuperelementError, check_positive, check_symmetric, checked
 
+# BLAS rounds products of few rows differently, see `spread`; so all products have as many.
 PRODUCT_ROWS = 64
-"""Rows of a matrix product."""
 
 
 @dataclass(frozen=True, eq=False)

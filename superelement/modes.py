@@ -8,10 +8,9 @@ from ..files.arrays import Array, Complex
 from .chain import Chain
 from .validation import SuperelementError, check_positive, checked
 
+# Above it nothing would move during a run. Rayleigh damping gives the highest modes of fine meshes
+# ratios of some hundred, which must pass.
 MAX_MODAL_DAMPING_RATIO = 1e6
-"""Damping ratio above which nothing would move for the time of a run; Rayleigh's damping gives the
-highest modes of fine meshes some hundred.
-"""
 
 RESONANCE_ITERATIONS = 20
 

@@ -10,8 +10,8 @@ from .cells import LINE_POINTS, TRIANGLES_OF_FACET, checked_cells, of_size, size
 from .recovery import Recovery
 from .validation import SuperelementError, checked
 
+# Relative to the size of the body; a node is the mean of the points of its section.
 RELATIVE_POINT_DISTANCE = 1e-6
-"""of the size of a body: how far apart points may be that are the same"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from ..files.arrays import Array
 from .modes import Modes
 from .validation import SuperelementError, checked
 
+# Moments of inertia in the order 11, 22, 33, 23, 13, 12.
 N_INERTIA_CHANGES = 6
-"""changes of the moments of inertia, in the order 11, 22, 33, 23, 13, 12"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,13 @@ import numpy as np
 
 from ..files.arrays import Array as Array
 
+# Relative to the scale of the diagonal; iterative solvers leave more than rounding.
 SYMMETRY_TOLERANCE = 1e-8
-"""Largest asymmetry of a reciprocal matrix, relative to the scale of its diagonal."""
 
 
+# No quantity of a body is larger, and the square of this is still a finite number. Masses,
+# inertias, steps and frequencies are at least its inverse.
 MAX_MAGNITUDE = 1e100
-"""Magnitude beyond which no quantity of a body lies, and whose square is still a number; masses,
-inertias, steps and frequencies are no less than its inverse.
-"""
 
 
 class SuperelementError(ValueError):

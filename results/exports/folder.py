@@ -10,10 +10,10 @@ from pathlib import Path
 from ...files.outputs import in_words, remove_orphans, resolved, temporary_prefix
 from ..errors import ExportError
 
+# Hidden folders of an unfinished export are named after it.
 UNFINISHED_NAME = "export"
-"""the name that hidden folders of files stand for until they appear"""
+# Characters. File systems end names at 255 bytes, and a character may take several.
 MAX_FILE_NAME = 100
-"""characters of the name of a file"""
 
 
 class Export:

@@ -31,14 +31,14 @@ from .folder import distinct, exported
 At = float | Literal["worst"]
 Program = Literal["abaqus", "nastran"]
 
+# Far above the nodes of meshes, and below 100 000 000, where Nastran's numbers end.
 FIRST_NODE = 90_000_001
-"""the number of the first node that a deck adds; Nastran's end at 100 000 000"""
+# Nastran's LOAD card with this number combines the loads that follow it.
 FIRST_SET = 9000
-"""the number of the load of Nastran that combines the others"""
+# The decks expect an element set of Abaqus with all elements of the body.
 ALL_ELEMENTS = "EALL"
-"""the element set of Abaqus with all elements of the body"""
+# Characters of a number in Nastran's large field format.
 NASTRAN_FIELD_WIDTH = 16
-"""characters of a number in a large field of Nastran"""
 FULL_TURN = 2.0 * np.pi
 
 
@@ -300,8 +300,8 @@ def _field(value: str | float) -> str:
 
 
 Lines = Callable[[LoadSet], Iterator[str]]
+# The files of each program by the ends of their names.
 DECKS: dict[Program, dict[str, Lines]] = {
     "abaqus": {"-nodes.inp": _abaqus_nodes, "-loads.inp": _abaqus_loads},
     "nastran": {".bdf": _nastran},
 }
-"""the files of a program by the ends of their names"""

@@ -17,10 +17,10 @@ from ..quantity import Quantity
 from ..results import Results
 from .folder import distinct, exported
 
+# Files of version 5 count the bytes of a variable in a signed integer of 32 bits.
 MAX_VARIABLE_BYTES = (1 << 31) - 1
-"""bytes of a variable in a file of version 5"""
+# MATLAB's namelengthmax.
 MAX_MATLAB_NAME = 63
-"""characters of a name in MATLAB"""
 MATLAB_KEYWORDS = frozenset(
     [
         "break",

@@ -19,14 +19,14 @@ from ..steps import batches
 from .folder import exported
 from .vtkhdf import Cells, Grid
 
+# Points times steps in memory together, so that long runs of large meshes fit.
 BATCH_POINTS = 1 << 20
-"""points of all times that are in memory together"""
+# VTK has xx, yy, zz, xy, yz, xz; stresses here are xx, yy, zz, yz, xz, xy.
 VTK_STRESS_ORDER = [0, 1, 2, 5, 3, 4]
-"""stresses xx, yy, zz, yz, xz, xy in the order of VTK: xx, yy, zz, xy, yz, xz"""
 NUMBERS_OF_SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
 EQUIVALENT, TENSOR = "von_mises", "stress"
+# 32 MiB: up to here rows are read with all those between them, longer ranges are halved.
 SCATTERED_READ_NUMBERS = 1 << 22
-"""numbers that are read together, of steps that are far apart"""
 Fields = dict[str, Array]
 
 

@@ -20,11 +20,11 @@ from .folder import distinct, exported
 
 Rows = Iterable[Sequence[Any]]
 
+# About 8 MiB, so that memory does not grow with the length of a run.
 BATCH_NUMBERS = 1 << 20
-"""numbers that are read at once, about"""
 TIME_HEADING = "time [s]"
+# Replaced by `_` in names of files.
 UNSAFE_IN_FILE_NAME = re.compile(r"[^\w.,()=+-]+")
-"""what names of files have `_` for"""
 
 
 def write_csv(

@@ -13,11 +13,11 @@ import numpy as np
 from ...files.arrays import Array, IntArray
 
 VTKHDF_VERSION = (2, 2)
+# Points that HDF5 compresses together.
 CHUNK_POINTS = 1 << 15
-"""points that HDF5 compresses together"""
 GZIP_LEVEL = 4
+# By the number of points: vertex, line, triangle, quad, and the quadratic ones.
 VTK_CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
-"""types of cells in VTK by their number of points: vertex, line, triangle, quad, quadratic ones"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,10 @@ from .fourier import periodogram
 from .sampling import sampled
 
 OCTAVE_FRACTIONS = (1, 2, 3, 6, 12, 24)
+# G of IEC 61260-1: frequencies an octave apart, by powers of ten.
 OCTAVE_RATIO = 10.0**0.3
-"""of frequencies an octave apart, G"""
+# [Hz], IEC 61260-1.
 BAND_REFERENCE_FREQUENCY = 1000.0
-"""[Hz]"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,16 +8,16 @@ from ...files.arrays import Array
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
+# CFC of SAE J211: the frequency [Hz] up to which the filter is level.
 CHANNEL_CLASSES = (60, 180, 600, 1000)
-"""of channels: the frequency up to which they are level [Hz]"""
+# SAE J211 asks for at least ten samples per period of the class.
 MIN_SAMPLES_PER_CLASS_PERIOD = 10.0
-"""samples in a period of the class, at least: SAE J211"""
+# 5/3 / (sqrt 2 - 1)^(1/4): then two passes have -3 dB at 5/3 of the class.
 CORNER_OVER_CLASS = 2.0775
-"""of a pass over the class: 5/3 / (sqrt 2 - 1)^(1/4), so that two passes have -3 dB at 5/3"""
 MIRRORED, FEWEST, PERIODS = 0.01, 100, 3
 """what is added at either end, at least: seconds, samples (ISO 6487), and periods of the corner"""
+# (f / corner)^(2 order) of one pass where two passes together have -3 dB.
 CORNER_OF_BOTH_PASSES = math.sqrt(2.0) - 1.0
-"""(f / corner)^(2 order) of a pass where two passes have -3 dB"""
 FILTER_KINDS = ("lowpass", "highpass", "bandpass")
 MAX_FILTER_ORDER = 20
 

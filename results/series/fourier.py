@@ -9,8 +9,8 @@ from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
 SPECTRUM_SCALES = ("transient", "amplitude", "rms")
+# They overlap by half.
 WELCH_SEGMENTS = 8
-"""of Welch's method, which overlap by half"""
 WINDOW_NAMES = ("rectangular", "hann", "hamming", "blackman", "blackmanharris", "flattop")
 
 

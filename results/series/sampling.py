@@ -7,11 +7,10 @@ import numpy as np
 from ...files.arrays import Array
 from ..errors import SeriesError
 
+# Files have times as numbers of a few digits, so steps that are equal differ by rounding.
 RELATIVE_STEP_ROUNDING = 1e-4
-"""by which steps may differ from equal ones or from multiples, relative: times are written as
-numbers of a few digits"""
+# 160 MB a series; a single short step among long ones would ask for any number.
 MAX_RESAMPLED_SAMPLES = 20_000_000
-"""samples after resampling"""
 
 
 @dataclass(frozen=True, eq=False)

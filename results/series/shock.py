@@ -10,22 +10,21 @@ from ...files.arrays import Array, Complex
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
+# Absolute acceleration; equivalent static acceleration; pseudo-velocity; relative displacement.
 RESPONSE_KINDS = ("absolute", "static", "pseudo-velocity", "displacement")
-"""absolute acceleration; static: equivalent static acceleration; relative displacement"""
 EXTREME_KINDS = ("maximax", "positive", "negative")
 RESPONSE_SPANS = ("overall", "primary", "residual")
+# MIL-STD-810 asks for ten samples in a period of the highest frequency.
 MIN_SAMPLES_PER_PERIOD = 10.0
-"""samples in a period that a series must have at the highest frequency: MIL-STD-810"""
+# Looking at the response as often finds its extremes to 0.12 %.
 INSTANTS_PER_PERIOD = 64.0
-"""instants in a period at which the response is looked at: extremes are right to 0.12 %"""
+# [Hz]. All spectra have it, so that those of different runs share their frequencies.
 SPECTRUM_REFERENCE_FREQUENCY = 1000.0
-"""a frequency of every series of them [Hz]"""
+# [Hz], where the frequencies begin unless the caller says otherwise.
 DEFAULT_MIN_FREQUENCY = 5.0
-"""where the frequencies begin unless told otherwise [Hz]"""
 MAX_SPECTRUM_FREQUENCIES = 10_000
-"""frequencies"""
+# Of |p|: below it (e^p - 1 - p) / p^2 loses digits by cancellation, and is summed as a series.
 MAX_SERIES_ARGUMENT = 0.5
-"""of |p|, below which (e^p - 1 - p) / p^2 is summed as a series"""
 
 
 @dataclass(frozen=True, eq=False)
