@@ -28,9 +28,25 @@ NEGLIGIBLE_COMPONENT_SHARE = 1e-6
 class Peak:
     """The extremes of one number over time, or over frequency.
 
-    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector, or
-    von_mises:BODY; base: the unit of the times or frequencies `at_largest` and `at_smallest`, s or
-    Hz.
+    Parameters
+    ----------
+    quantity : str
+        As outputs of studies have it; |QUANTITY| for the length of a vector, or von_mises:BODY.
+    unit : str
+    largest, smallest : float
+    at_largest, at_smallest : float
+        Times or frequencies, in the unit `base`.
+    base : {"s", "Hz"}
+    place : Place, optional
+        Of a stress: the point of the surface, in the mesh.
+    band : float [Hz]
+        Of a spectrum: the frequency up to which the superelement is right.
+
+    Examples
+    --------
+    >>> peak = Peak("height:ball:z", "m", 2.0, 0.1, -3.0, 0.4, "s")
+    >>> peak.magnitude, peak.is_beyond
+    (3.0, False)
     """
 
     quantity: str
@@ -52,19 +68,47 @@ class Peak:
 
     @property
     def magnitude(self) -> float:
+        """The larger absolute value of both extremes."""
         return max(abs(self.largest), abs(self.smallest))
 
 
 def peaks(
     results: Results, quantities: Iterable[str] = (), gravities: bool = False
 ) -> tuple[Peak, ...]:
-    """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
+    """Find the peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
 
-    In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
-    axis has a peak, unless it is rounding, and over time its length. Those of each argument are
-    ordered: the largest one comes first, which is its place. Without quantities: accelerations,
-    forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
-    surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
+    Parameters
+    ----------
+    results : Results
+    quantities : iterable of str
+        In names `*` stands for anything: "acceleration:bracket.*:z". "von_mises:BODY" is the
+        largest equivalent stress on the surface, with its point. Without quantities:
+        accelerations, forces and elastic displacements of all.
+    gravities : bool
+        Accelerations in g.
+
+    Returns
+    -------
+    tuple of Peak
+        Of a vector without axis, each axis that is more than rounding, and its length over time.
+        The peaks of each argument are in descending order of magnitude.
+
+    Raises
+    ------
+    QuantityError
+        For a quantity that the results do not have; the message lists those that they have.
+    RecoveryError
+        For stresses without recovery.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> (peak,) = peaks(results, ["acceleration:ball:z"], gravities=True)
+    >>> round(peak.smallest, 3), peak.unit
+    (-1.02, 'g')
     """
     quantities = tuple(quantities)
     if not quantities:

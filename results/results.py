@@ -59,14 +59,25 @@ Motion = TypeVar("Motion", bound=Recorded)
 
 
 class Results:
-    """The results of a run.
+    """The results of a run, in memory or in a file.
 
     Arrays are read when asked for; between reads a file is closed.
 
     Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed
-    from the modes of their superelements, at times t [s], one or several (k,), of the run; between
+    from the modes of their superelements, at one or several times t (k,) [s] of the run; between
     steps they are linear in time. They take one pass over the steps before t: ask for many times at
     once. `RecoveryError` names the missing data.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> results.bodies
+    ('ball',)
+    >>> results.body("ball").v[-1, :3].round(6).tolist()
+    [0.0, 0.0, -10.0]
     """
 
     def __init__(
@@ -81,10 +92,18 @@ class Results:
     def read(
         cls, path: str | os.PathLike[str], superelements: Mapping[str, Superelement] | None = None
     ) -> "Results":
-        """Open a results file; `ResultsError` if it is none, or of another version.
+        """Open a results file.
 
-        superelements: by body, for fields, where the files that the run read are no longer where
-        they were.
+        Parameters
+        ----------
+        path : path
+        superelements : mapping of Superelement, optional
+            By body, for fields, where the files that the run read are no longer where they were.
+
+        Raises
+        ------
+        ResultsError
+            Where it is no results file, or one of another version.
         """
         return cls(FileSource(Path(path)), superelements)
 
@@ -116,6 +135,7 @@ class Results:
 
     @property
     def bodies(self) -> tuple[str, ...]:
+        """The names of the recorded bodies."""
         return self._names("body")
 
     @property
@@ -136,18 +156,22 @@ class Results:
 
     @property
     def springs(self) -> tuple[str, ...]:
+        """The names of the recorded springs."""
         return self._names("spring")
 
     @property
     def couplers(self) -> tuple[str, ...]:
+        """The names of the recorded couplers."""
         return self._names("coupler")
 
     @property
     def contacts(self) -> tuple[str, ...]:
+        """The names of the recorded contacts."""
         return self._names("contact")
 
     @property
     def stops(self) -> tuple[str, ...]:
+        """The names of the recorded stops."""
         return self._names("stop")
 
     @property
@@ -162,6 +186,7 @@ class Results:
 
     @property
     def motors(self) -> tuple[str, ...]:
+        """The names of the recorded motors."""
         return self._names("motor")
 
     @property
@@ -177,26 +202,28 @@ class Results:
 
     @property
     def time(self) -> Array:
-        """(n,) [s]"""
+        """The recorded times (n,) [s]."""
         (time,) = self._source.read([(TIME_QUANTITY, None)])
         return time
 
     @property
     def energy(self) -> Energy:
+        """The energies of the model over time [J]."""
         return self._whole(Energy)
 
     @property
     def momentum(self) -> Momentum:
+        """The linear and angular momentum of the model over time."""
         return self._whole(Momentum)
 
     @property
     def iterations(self) -> Array:
-        """(n,) Newton iterations of each recorded step"""
+        """The Newton iterations (n,) of each recorded step."""
         return self._whole(Solution).iterations
 
     @property
     def residual(self) -> Array:
-        """(n,) relative residual of each recorded step"""
+        """The relative residual (n,) of each recorded step."""
         return self._whole(Solution).residual
 
     @property
@@ -254,6 +281,7 @@ class Results:
         return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
     def body(self, name: str) -> BodyMotion:
+        """The motion of a body."""
         return self._of(BodyMotion, name)
 
     def frame(self, name: str) -> FrameMotion:
@@ -265,6 +293,7 @@ class Results:
         return self._of(JointMotion, name)
 
     def spring(self, name: str) -> SpringMotion:
+        """The motion of a spring."""
         return self._of(SpringMotion, name)
 
     def contact(self, name: str) -> ContactMotion | StopMotion:

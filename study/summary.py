@@ -26,10 +26,20 @@ UNIT_COLUMNS = ("output", "unit")
 
 @dataclass(frozen=True)
 class Row:
-    """A case in the summary.
+    """A case in the summary of a study.
 
-    status: "done", "failed", or "open" where the study was stopped before it. reused: it was there
-    already.
+    Parameters
+    ----------
+    case : Case
+    status : {"open", "done", "failed"}
+        "open" where the study was stopped before it.
+    numbers : dict of float
+        Its outputs by name.
+    message : str
+        Why it failed.
+    warnings : tuple of str
+    reused : bool
+        It was there already, and up to date.
     """
 
     case: Case
@@ -90,8 +100,16 @@ def _cell(value: Any) -> Any:
 class Summary:
     """The cases of a summary that are done, in their order, and those that failed.
 
-    parameters: values as TOML has them by key; numbers (n,): those of runs, and outputs, by name;
-    failed: values of the parameters of cases that failed; units: of outputs, by name.
+    Parameters
+    ----------
+    parameters : mapping of list
+        Values as TOML has them, by key.
+    numbers : mapping of (n,)
+        Those of runs, and outputs, by name.
+    failed : mapping of list
+        Values of the parameters of cases that failed.
+    units : mapping of str
+        Of outputs, by name.
     """
 
     parameters: Mapping[str, list[Any]]
@@ -101,7 +119,21 @@ class Summary:
 
 
 def read_summary(path: Path) -> Summary:
-    """Read what `write_summary` wrote; `StudyError` names the file."""
+    """Read the summary of a study that `sweep` wrote.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    StudyError
+        Names the file, which is no summary or cannot be read. See `sweep` for an example.
+    """
     try:
         header, *rows = list(csv.reader(io.StringIO(read_text(path), newline=""))) or [[]]
         found = _summary(header, [row for row in rows if row])

@@ -34,11 +34,31 @@ N_REAL_DELAYS = 8
 
 
 def check(element: Superelement) -> tuple[Check, ...]:
-    """All that must hold of a superelement, recomputed.
+    """Check everything that must hold of a superelement, by recomputing it.
 
-    Reciprocity, the quick checks that every file passes when it is read, that the kernel is passive
-    and free of rigid motion, and where there are modes, every lag and the transfer function over
-    the band against them. Source: docs/theory.md, What a superelement must satisfy.
+    These are reciprocity, the quick checks that every file passes when it is read, and that the
+    kernel is passive and free of rigid motion. Where there are modes, every lag and the transfer
+    function over the band are compared with them. It takes seconds for large bodies.
+
+    Parameters
+    ----------
+    element : Superelement
+
+    Returns
+    -------
+    tuple of Check
+        Also those that hold. Source: docs/theory.md, What a superelement must satisfy.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> element = beam.superelement(step=1e-4)
+    >>> all(one.holds for one in check(element))
+    True
     """
     return tuple(_checks(element))
 

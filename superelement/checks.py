@@ -27,9 +27,24 @@ DECADES_OF_DECAY = 12.0
 
 @dataclass(frozen=True)
 class Check:
-    """A fact: where it must hold, what is expected, and its deviation, which has a limit.
+    """A fact that must hold of a superelement, and how far its numbers deviate from it.
 
-    `measure` says in words what `found` is.
+    Parameters
+    ----------
+    where : str
+        The dataset of the file that it is about.
+    expected, measure : str
+        The fact, and what `found` measures, in words.
+    found, limit : float
+        The deviation, and the largest one that is allowed.
+
+    Examples
+    --------
+    >>> one = Check("kernel/g", "passivity", "a negative eigenvalue", found=0.5, limit=1e-6)
+    >>> one.holds
+    False
+    >>> print(one)
+    kernel/g: expected passivity, found a negative eigenvalue of 0.5, where 1e-06 is allowed
     """
 
     where: str
@@ -40,6 +55,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
+        """Whether the deviation is within its limit."""
         return bool(self.found <= self.limit)
 
     def __str__(self) -> str:

@@ -74,10 +74,34 @@ def write(superelement: Superelement, path: AnyPath, /) -> None: ...
 @overload
 def write(path: AnyPath, superelement: Superelement, /) -> None: ...
 def write(superelement: Any, path: Any, /) -> None:
-    """Write a superelement; `write(path, superelement)` is understood too.
+    """Write a superelement to an HDF5 file; `write(path, superelement)` is accepted too.
 
-    The file appears whole or not at all, and an older one stays until then. Raises
-    `SuperelementError` where the folder is missing or cannot be written to.
+    The file appears whole or not at all, and an older one stays until then.
+
+    Parameters
+    ----------
+    superelement : Superelement
+    path : path
+
+    Raises
+    ------
+    SuperelementError
+        Where the folder is missing or cannot be written to.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> element = beam.superelement(step=1e-4)
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     write(element, Path(folder) / "beam.h5")
+    ...     read(Path(folder) / "beam.h5")
+    <Superelement 'beam': 1.57 kg, at tip, 12 modes>
     """
     superelement, path = object_and_path(superelement, path)
     # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
@@ -93,7 +117,16 @@ def write(superelement: Any, path: Any, /) -> None:
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:
-    """`SuperelementError` for a path at which no file can be written, before it is worked for."""
+    """Raise `SuperelementError` for a path at which no file can be written.
+
+    To be called before long work, whose result would be lost otherwise.
+
+    Examples
+    --------
+    >>> require_writable("missing/beam.h5")
+    Traceback (most recent call last):
+    duhamel.superelement.validation.SuperelementError: missing/beam.h5: no folder missing
+    """
     target = Path(path)
     try:
         if not target.parent.is_dir():
@@ -110,20 +143,42 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of versions 1 to 5; unknown groups are passed over.
+    """Read and validate a superelement file of versions 1 to 5; unknown groups are ignored.
 
-    recovery: whether to read that too, which for a large body is nearly all of the file and no
-    concern of a simulation.
+    Parameters
+    ----------
+    path : path
+    recovery : bool
+        Whether to read that too. For a large body it is nearly all of the file, and a simulation
+        does not need it.
 
-    Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected
-    and what was found: also where numbers are there, but not those of an elastic body (`checks`).
+    Returns
+    -------
+    Superelement
+
+    Raises
+    ------
+    SuperelementError
+        Names the file, the dataset or attribute, what was expected and what was found; also for
+        numbers that no elastic body can have (`checks`). See `write` for an example.
     """
     with opened(path, SuperelementError) as file:
         return _superelement(file, recovery)
 
 
 def sha256(path: str | os.PathLike[str]) -> str:
-    """The SHA-256 of a file, in hexadecimal."""
+    """The SHA-256 of a file, in hexadecimal, by which results recognize their superelements.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "empty"
+    ...     path.touch()
+    ...     sha256(path)[:16]
+    'e3b0c44298fc1c14'
+    """
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -416,7 +471,9 @@ def _chain(file: h5py.File, m: int) -> Chain | None:
 def _rotation(file: h5py.File, n_c: int) -> Rotation | None:
     if "rotation" not in file:
         if "modes/phi_inertia" in file:
-            raise SuperelementError("group 'rotation' is missing, without which is phi_inertia")
+            raise SuperelementError(
+                "group 'rotation' is missing, although there is modes/phi_inertia"
+            )
         return None
     attributes = group(file, "rotation")
     expect(attributes, "form", ROTATION_FORM)

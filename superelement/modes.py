@@ -17,13 +17,33 @@ RESONANCE_ITERATIONS = 20
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Mass-normalized elastic modes restricted to the interface dofs.
+    """Mass-normalized elastic modes at the interface dofs.
 
         u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
 
-    omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m)
-    [1/sqrt(kg)]. h_min [s] is the finest step that they are made for, 0 if any: they are right up
-    to 1 / (4 h_min) [Hz].
+    Parameters
+    ----------
+    omega : (m,) [rad/s]
+        Natural frequencies, all positive: rigid modes are not among them.
+    zeta : (m,)
+        Damping ratios.
+    phi : (n_c, m) [1/sqrt(kg)]
+    h_min : float [s]
+        The finest step that they are made for, 0 if any: they are right up to 1 / (4 h_min) [Hz].
+    chain : Chain, optional
+        Material damping; omega is then that of the relaxed body.
+
+    Raises
+    ------
+    SuperelementError
+        For arrays that do not fit each other, and numbers out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> modes = Modes(omega=np.array([10.0, 20.0]), zeta=np.zeros(2), phi=np.array([[1.0, 2.0]]))
+    >>> modes.compliance.round(6).tolist(), modes.accelerance.tolist()
+    ([[0.02]], [[5.0]])
     """
 
     omega: Array

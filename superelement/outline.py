@@ -16,13 +16,31 @@ RELATIVE_POINT_DISTANCE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """Points and facets of a body at rest.
+    """The shape of a body at rest, by points and facets.
 
-    points (p, 3) from the center of mass in body axes [m]; cells (n, k): facets that turn outwards
-    as rows of point numbers, -1 filling short rows, each of the type of its number of points in
-    meshio's order: 3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; 2: a line without a section.
-    node (p,): of beams, the node of the lines whose section carries each point, the number of a
-    point of the recovery; None for solids, whose points are those of the recovery.
+    Parameters
+    ----------
+    points : (p, 3) [m]
+        From the center of mass, in body axes.
+    cells : (n, k) of int
+        Facets, seen counterclockwise from outside, as rows of point numbers; -1 fills short rows.
+        The type follows from the number of points, in meshio's order: 3 triangle, 4 quad,
+        6 triangle6, 8 quad8, 9 quad9; 2 is a line without a section.
+    node : (p,) of int, optional
+        Of beams: the node of the line whose section carries each point, the number of a point of
+        the recovery. None for solids, whose points are those of the recovery.
+
+    Raises
+    ------
+    SuperelementError
+        For point numbers out of range, and cells of other numbers of points.
+
+    Examples
+    --------
+    >>> from duhamel.superelement.figures import box
+    >>> outline = box((1.0, 2.0, 3.0))
+    >>> outline.n_facets, round(outline.volume, 12)
+    (6, 6.0)
     """
 
     points: Array
@@ -55,6 +73,7 @@ class Outline:
 
     @property
     def n_facets(self) -> int:
+        """The number of its facets, lines not counted."""
         return len(self.cells) - len(self.lines)
 
     @property

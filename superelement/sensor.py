@@ -16,10 +16,28 @@ CHANNELS_OF_KIND: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A point of a body, X (3,) from the center of mass in body axes [m], and what is read there.
+    """A point inside a body at which motion, strain or stress is read.
 
-    kind: "motion", the elastic displacement (3 channels) [m]; "strain" (1) [1]; "stress" (6), in
-    the order xx, yy, zz, yz, xz, xy, body axes [Pa].
+    Parameters
+    ----------
+    name : str
+        One line without '/' and '.'.
+    kind : {"motion", "strain", "stress"}
+        Elastic displacement (3 channels) [m], strain (1) [1], or stress (6) in the order xx, yy,
+        zz, yz, xz, xy in body axes [Pa].
+    X : (3,) [m]
+        Position from the center of mass, in body axes.
+
+    Raises
+    ------
+    SuperelementError
+        For a name, kind or position that is not one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Sensor("accelerometer", "motion", X=np.zeros(3)).channels
+    ('x', 'y', 'z')
     """
 
     name: str

@@ -29,6 +29,6 @@ def rows(
         yield "modes", str(len(modes.omega))
         yield "first frequencies, free", f"{listed(f'{f:.5g}' for f in first)} Hz"
     yield "impulse responses", f"{len(kernel.g)} samples, {kernel.h:.6g} s apart"
-    yield "method", method or "not told"
+    yield "method", method or "not stated"
     band = "all frequencies" if kernel.band is None else f"{kernel.band:.5g} Hz"
-    yield "error", f"{kernel.error:.2g} up to {band}" if kernel.error else "none but rounding"
+    yield "error", f"{kernel.error:.2g} up to {band}" if kernel.error else "rounding only"

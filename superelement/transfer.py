@@ -41,9 +41,9 @@ def laplace_stiffness(modes: Modes, s: Complex) -> Complex:
 
 
 def summed(kernel: Kernel, delay: Complex) -> Complex:
-    """The same from the lags that a kernel has, sum_k g[k] d^k, which ends with them.
+    """The transfer function (n, n_c, n_c) of the lags that a kernel has, sum_k g[k] d^k.
 
-    delay (n,): |d|^steps must be rounding.
+    The sum ends with the last lag, so |d|^steps must be rounding. delay (n,): d.
     """
     powers = delay[:, None] ** np.arange(len(kernel.g))
     G: Complex = np.tensordot(powers, kernel.g, 1)

@@ -72,11 +72,26 @@ class LoadSet:
 
 
 def load_set(results: Results, body: str, at: At) -> LoadSet:
-    """The loads on a flexible body at the recorded step nearest to a time, or at the worst one.
+    """Collect the loads on a flexible body at one recorded step.
 
-    The worst is that of the largest |F| + |M| / size of an interface. `ExportError` where the run
-    did not record the body and all of its interfaces; `RecoveryError` where the superelement is
-    not there.
+    Parameters
+    ----------
+    results : Results
+    body : str
+    at : float [s] or "worst"
+        The recorded step nearest to a time, or that of the largest |F| + |M| / size at an
+        interface.
+
+    Returns
+    -------
+    LoadSet
+
+    Raises
+    ------
+    ExportError
+        Where the run did not record the body and all of its interfaces.
+    RecoveryError
+        Where the superelement is not there. See `write_loads` for an example.
     """
     element = results.superelement(body)
     wrenches = _wrenches(results, body, element)
@@ -120,10 +135,46 @@ def write_loads(
     bodies: Sequence[str] = (),
     at: At = "worst",
 ) -> tuple[Path, ...]:
-    """Write the loads on flexible bodies, by default all, at an instant, and give the paths.
+    """Write the loads on flexible bodies at an instant as decks for Abaqus or Nastran.
 
-    abaqus: NAME-BODY-nodes.inp, for the model, and NAME-BODY-loads.inp, for a step; nastran:
-    NAME-BODY.bdf. See `load_set`.
+    Abaqus: NAME-BODY-nodes.inp, for the model, and NAME-BODY-loads.inp, for a step; Nastran:
+    NAME-BODY.bdf.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    name : str
+    program : {"abaqus", "nastran"}
+    bodies : sequence of str
+        By default all flexible bodies.
+    at : float [s] or "worst"
+        See `load_set`.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where there is no flexible body, or a file cannot be written; else as `load_set`.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("root", (0.0, 0.0, 0.0))
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
+    >>> arm = m.add(beam.superelement(step=1e-4), name="arm")
+    >>> fixed = m.add(du.joints.Fixed(m.ground, arm["root"]))
+    >>> results = m.simulate(0.01, step=1e-4).results
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_loads(results, folder, "run", "nastran")]
+    ['run-arm.bdf']
     """
     chosen = tuple(bodies) or tuple(results.superelement_files)
     if not chosen:

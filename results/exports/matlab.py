@@ -49,13 +49,40 @@ Struct = dict[str, Any]
 
 
 def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slice(None)) -> Path:
-    """Write all that was recorded as a MATLAB file, and give its path.
+    """Write all that was recorded as a MATLAB file of version 5.
 
-    `time` (n, 1) [s], and structures: bodies.hub.v, frames.beam_tip.u, joints.pivot.angle,
+    It has `time` (n, 1) [s], and structures: bodies.hub.v, frames.beam_tip.u, joints.pivot.angle,
     energy.kinetic, events.stop.peak, ... with the attributes of `Results.body` and its neighbors;
     in each the owner's own `name`, and `units` by attribute. `run` has the notes of the run,
-    `model` the text of the model file. rows: of the recorded steps. `ExportError` where a group has
-    more than 2 GB.
+    `model` the text of the model file.
+
+    Parameters
+    ----------
+    results : Results
+    path : path
+    rows : slice
+        Of the recorded steps.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ExportError
+        Where a group has more than 2 GB, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> from scipy.io import loadmat
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     loadmat(write_mat(results, f"{folder}/run.mat"))["time"].ravel().tolist()
+    [0.0, 0.5, 1.0]
     """
     from scipy.io import savemat
 

@@ -37,12 +37,42 @@ def write_vtk(
     steps: Index,
     magnification: float = 1.0,
 ) -> tuple[Path, ...]:
-    """Write what moved at some recorded steps (k,) into a folder, and give the paths.
+    """Write the motion at some recorded steps for ParaView.
 
     NAME.vtkhdf has the outlines of all recorded bodies, NAME-points.vtkhdf recorded frames and
     contacts as points, with their forces, and NAME-names.csv the names of bodies and points by
-    their numbers. magnification: of elastic displacements, in positions alone. `ExportError` where
-    the run recorded neither bodies nor frames.
+    their numbers.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    name : str
+    steps : (k,) of int
+        Rows of the recorded steps.
+    magnification : float
+        Of elastic displacements, in positions alone.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where the run recorded neither bodies nor frames, or a file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> import numpy as np
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_vtk(results, folder, "run", np.arange(3))]
+    ['run.vtkhdf', 'run-names.csv']
     """
     bodies, points = results.bodies, _points(results)
     if not bodies and not points:

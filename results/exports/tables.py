@@ -33,13 +33,47 @@ def write_csv(
     quantities: Iterable[str] = (),
     rows: slice = slice(None),
 ) -> tuple[Path, ...]:
-    """Write tables of results into a folder, and give their paths.
+    """Write tables of results into a folder.
 
-    Without quantities all that was recorded: a table for each group, bodies.csv, frames.csv, ...,
-    of variables by their names in the results file, as "body_velocity:hub:x [m s-1]", and
-    events.csv. With quantities, as `plot` names them, quantities.csv, where `*` in a name stands
-    for anything; of those over other times or frequencies, as spectra, each a table of its own.
-    rows: of the recorded steps; spectra are those of all.
+    Without quantities there is a table for each group, bodies.csv, frames.csv, ..., of variables
+    by their names in the results file, as "body_velocity:hub:x [m s-1]", and events.csv. With
+    quantities there is quantities.csv; those over other times or frequencies, as spectra, have
+    tables of their own.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    quantities : iterable of str
+        As `duhamel plot` names them; `*` in a name stands for anything.
+    rows : slice
+        Of the recorded steps; spectra are always those of all.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where a file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     (path,) = write_csv(results, folder, ["position:ball:x"])
+    ...     print(path.name, path.read_text(), sep="\\n")
+    quantities.csv
+    time [s],position:ball:x [m]
+    0.0,0.0
+    0.5,0.0
+    1.0,0.0
+    <BLANKLINE>
     """
     wanted = tuple(quantities)
     with exported(folder) as export:

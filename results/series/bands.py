@@ -19,7 +19,14 @@ BAND_REFERENCE_FREQUENCY = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class Bands:
-    """Root mean squares by bands: center, lower, upper (m,) [Hz]; values (m,) or (m, k)."""
+    """Root mean squares of a series by frequency bands, see `octave_bands` for an example.
+
+    Parameters
+    ----------
+    center, lower, upper : (m,) [Hz]
+    values : (m,) or (m, k)
+        In the unit of the series.
+    """
 
     center: Array
     lower: Array
@@ -46,11 +53,37 @@ def band_edges(lowest: float, highest: float, fraction: int = 3) -> tuple[Array,
 
 
 def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
-    """The root mean squares of a series in bands of 1/fraction of an octave.
+    """Compute the root mean squares of a series in bands of 1/fraction of an octave.
 
-    They are those of the whole series, from its periodogram: between edges that fall between its
-    frequencies, in parts. Bands that are narrower than the distance of its frequencies, one over
-    its length, or that reach beyond half its sampling rate are left out.
+    They are those of the whole series, from its periodogram, whose lines are shared out where a
+    band edge cuts them. Bands narrower than the distance of its frequencies, one over its length,
+    and bands beyond half its sampling rate are left out.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+        One series a column.
+    fraction : {1, 2, 3, 6, 12, 24}
+
+    Returns
+    -------
+    Bands
+
+    Raises
+    ------
+    SeriesError
+        For another fraction, and for a series too short to have a whole band.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.arange(1000) * 1e-3
+    >>> wave = 2.0 * np.sin(2.0 * np.pi * 50.0 * time)
+    >>> bands = octave_bands(time, wave)
+    >>> loudest = bands.values.argmax()
+    >>> round(float(bands.center[loudest]), 1), round(float(bands.values[loudest]), 3)
+    (50.1, 1.414)
     """
     _check(fraction)
     series = sampled(time, values)

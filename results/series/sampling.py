@@ -15,10 +15,14 @@ MAX_RESAMPLED_SAMPLES = 20_000_000
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """A series at equal steps.
+    """A series at equal steps, see `sampled` for an example.
 
-    time (n,) [s]; values (n,) or (n, k); coarsest: the longest step before the series was
-    resampled, or the step [s].
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+    coarsest : float [s]
+        The longest step before the series was resampled, or the step.
     """
 
     time: Array
@@ -27,7 +31,7 @@ class Sampled:
 
     @property
     def step(self) -> float:
-        """[s]"""
+        """The time step [s]."""
         return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
 
     @property
@@ -37,12 +41,34 @@ class Sampled:
 
 
 def sampled(time: Array, values: Array) -> Sampled:
-    """A series at equal steps, resampled where it has two sizes of them.
+    """Bring a series to equal steps, where it has steps of two sizes.
 
     A shorter last step is left out with its sample. Steps that are multiples of the shortest one,
-    as of a run with `contact_step`, are filled linearly: every sample is kept, and of what shock
-    spectra take for granted, a line from sample to sample, nothing changes. `SeriesError` for
-    steps of other ratios, for times that do not increase, and values that are no numbers.
+    as in a run with `contact_step`, are filled linearly. Every sample is kept, and for shock
+    spectra, which assume a line from sample to sample, nothing changes.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+        One series a column.
+
+    Returns
+    -------
+    Sampled
+
+    Raises
+    ------
+    SeriesError
+        For steps of other ratios, times that do not increase, fewer than three samples, and values
+        that are not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> series = sampled(np.array([0.0, 1.0, 2.0, 4.0]), np.array([0.0, 1.0, 2.0, 6.0]))
+    >>> series.time.tolist(), series.values.tolist(), series.coarsest
+    ([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 4.0, 6.0], 2.0)
     """
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     _check(time, values)

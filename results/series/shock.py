@@ -29,10 +29,16 @@ MAX_SERIES_ARGUMENT = 0.5
 
 @dataclass(frozen=True, eq=False)
 class ShockSpectrum:
-    """A shock response spectrum.
+    """A shock response spectrum, see `shock_spectrum` for an example.
 
-    frequency (m,): natural frequencies of the oscillators, undamped [Hz]; values (m,) or (m, k):
-    the largest responses; Q: their quality factor, 1 / (2 zeta); infinite without damping.
+    Parameters
+    ----------
+    frequency : (m,) [Hz]
+        Undamped natural frequencies of the oscillators.
+    values : (m,) or (m, k)
+        The largest responses.
+    Q : float
+        The quality factor of the oscillators, 1 / (2 zeta); infinite without damping.
     """
 
     frequency: Array
@@ -41,9 +47,28 @@ class ShockSpectrum:
 
 
 def octave_frequencies(lowest: float, highest: float, per_octave: int = 12) -> Array:
-    """Frequencies 1000 * 2^(k / per_octave) Hz from the lowest to the highest one (m,) [Hz].
+    """List the frequencies 1000 Hz * 2^(k / per_octave) between two frequencies.
 
     Twelve in an octave, from 5 to 2000 Hz, are those of MIL-STD-810, Method 516.
+
+    Parameters
+    ----------
+    lowest, highest : float [Hz]
+    per_octave : int
+
+    Returns
+    -------
+    (m,) [Hz]
+
+    Raises
+    ------
+    SeriesError
+        Where there is none, or more than 10 000.
+
+    Examples
+    --------
+    >>> octave_frequencies(200.0, 2000.0, per_octave=1).tolist()
+    [250.0, 500.0, 1000.0, 2000.0]
     """
     if not (0.0 < lowest < highest < math.inf):
         raise SeriesError(
@@ -75,23 +100,55 @@ def shock_spectrum(
     extreme: str = "maximax",
     span: str = "overall",
 ) -> ShockSpectrum:
-    """The largest responses of oscillators whose base has an acceleration (n,) or (n, k) [m/s^2].
+    """Compute the shock response spectrum of an acceleration of the base.
 
         z'' + (omega / Q) z' + omega^2 z = -a        z: motion relative to the base
 
-    response: `absolute`, the acceleration of the mass z'' + a [m/s^2]; `static`, omega^2 z, which
-    times the mass is the force in the spring [m/s^2]; `pseudo-velocity`, omega z [m/s];
-    `displacement`, z [m]. All are positive where the spring pushes the mass in the direction of
-    the axis. extreme: the largest one of either sign (`maximax`, without sign), the largest
-    (`positive`) or the smallest (`negative`), zero at the start being counted. span: `primary`,
-    in the time of the series; `residual`, after its end; `overall`, the larger of both.
-
     The oscillators are at rest before the series; it is a line between its samples, and zero after
-    the last. Their motion under it is exact (the ramp invariant filter of Smallwood), and so is
-    what rings on. By default there are twelve frequencies in an octave, from 5 Hz to a tenth of the
-    sampling rate. `SeriesError` for higher ones: there the line between samples misses 3 % of a
-    vibration of this frequency. Source: Smallwood, An improved recursive formula for calculating
-    shock response spectra, Shock and Vibration Bulletin 51 (1981); ISO 18431-4; docs/spectra.md.
+    the last. Their motion under it is exact (the ramp invariant filter of Smallwood), and so is the
+    vibration after its end. Source: Smallwood, An improved recursive formula for calculating shock
+    response spectra, Shock and Vibration Bulletin 51 (1981); ISO 18431-4; docs/spectra.md.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    acceleration : (n,) or (n, k) [m/s^2]
+        One series a column.
+    frequencies : (m,) [Hz], optional
+        Natural frequencies; by default twelve in an octave, from 5 Hz to a tenth of the sampling
+        rate.
+    q : float
+        The quality factor Q = 1 / (2 zeta) of the oscillators.
+    response : {"absolute", "static", "pseudo-velocity", "displacement"}
+        The acceleration of the mass z'' + a [m/s^2]; omega^2 z, which times the mass is the force
+        in the spring [m/s^2]; omega z [m/s]; or z [m]. All are positive where the spring pushes the
+        mass in the direction of the axis.
+    extreme : {"maximax", "positive", "negative"}
+        The largest value without sign, the largest, or the smallest one; the zero at the start
+        counts.
+    span : {"overall", "primary", "residual"}
+        The whole time, the time of the series, or the time after its end.
+
+    Returns
+    -------
+    ShockSpectrum
+
+    Raises
+    ------
+    SeriesError
+        For frequencies above a tenth of the sampling rate, where the line between samples misses
+        3 % of a vibration, and for words or a q that are not allowed.
+
+    Examples
+    --------
+    A step of the acceleration doubles the static response of an undamped oscillator:
+
+    >>> import numpy as np
+    >>> time = np.linspace(0.0, 1.0, 1001)
+    >>> step = np.full(1001, 3.0)
+    >>> spectrum = shock_spectrum(time, step, np.array([10.0]), q=np.inf, span="primary")
+    >>> spectrum.values.round(2).tolist()
+    [6.0]
     """
     _check_choices(response, extreme, span)
     if not q > 0.5:

@@ -581,7 +581,10 @@ def removed_from(name, rows):
 
 
 FAULTS_OF_ROTATION = {
-    "one switch": (without("rotation"), "group 'rotation' is missing, .* phi_inertia$"),
+    "one switch": (
+        without("rotation"),
+        "group 'rotation' is missing, although there is modes/phi_inertia$",
+    ),
     "no phi_inertia": (without("modes/phi_inertia"), "dataset 'modes/phi_inertia' is missing"),
     "no modes": (without("modes"), "dataset 'modes/phi_inertia' is missing"),
     "no T": (without("rotation/T"), "dataset 'rotation/T' is missing"),
