@@ -64,6 +64,7 @@ def time_of(batch: Batch) -> Array:
 def dissipated(batch: Batch) -> Array:
     """The work of springs and dampers that springs have not stored, and what modal damping took."""
     n, output = len(batch.steps), batch.output
+    # Energies are relative to t = 0, where springs may be stretched.
     stored = output.spring_energy[:n] - batch.start.springs
     found: Array = output.modal_damping[:n] - output.compliance_work[:n] - stored
     return found

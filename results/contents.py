@@ -90,6 +90,7 @@ class Contents:
 
     def difference(self, other: "Contents") -> str:
         """The first difference of the variables of others, in words; "" if there is none."""
+        # Names before entries: another set of variables makes other dimensions, too.
         names, others = ([q.name for q in c.quantities] for c in (self, other))
         if names != others:
             odd = sorted({*names} ^ {*others})

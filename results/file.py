@@ -113,6 +113,7 @@ class FileSource:
             owner, *values = (
                 _rows(file, axes, q, None, n) for q in (EVENT_OWNER, *EVENT_QUANTITIES)
             )
+        # A damaged file; numbers out of range would count as those of other owners.
         if len(owner) and not 0 <= owner.min() <= owner.max() < len(axes["event_owner"]):
             raise ResultsError(f"{self._path}: variable 'event_of': names no entry of event_owner")
         return EventRows(owner.astype(np.int64), np.column_stack(values))
@@ -202,6 +203,7 @@ class FileWriter:
         image = _image(contents, {**notes, **Extent(0).noted(), "run": self.run}, model, rows)
         with _failures_named(path):
             journal = Journal(resolved(path))
+            # Earlier results stay until this run has ended well.
             self.place = partial_of(journal.target) if path.exists() else journal.target
             try:
                 self.place.write_bytes(image)
@@ -250,6 +252,7 @@ class FileWriter:
         self._store = JournaledFile(self.place, journal, durable)
         self._file = h5py.File(self._store, "r+")
         self.written = self.committed = _extent_of(self._file)
+        # The first rows are committed at once, so that readers can open the file early.
         self._last = -np.inf
 
     def append(self, batch: Batch) -> None:
@@ -321,6 +324,7 @@ class FileWriter:
     def _commit(self, patience: float, can_wait: bool = False) -> None:
         """Let all rows take place; unless they can wait, also if others never close the file."""
         with self._failures_named(), uninterrupted():
+            # Readers count rows by these attributes: datasets are longer while rows are written.
             self._file["solver"].attrs.modify("written", self.written.rows)
             self._file["solver"].attrs.modify("events", self.written.events)
             self._file.flush()
@@ -358,11 +362,11 @@ def unfinished(target: Path) -> Path:
 def _check_same_run(path: Path, run: str, contents: Contents, extent: Extent) -> None:
     source = FileSource(path)
     if source.run != run:
-        raise ResultsError(f"{path}: results of another run than the state beside them")
+        raise ResultsError(f"{path}: these results are not of the run whose state is beside them")
     for name, found, least in zip(Extent._fields, source.extent, extent, strict=True):
         if found < least:
             raise ResultsError(
-                f"{path}: {found} {name}, fewer than the {least} of the state beside them"
+                f"{path}: {found} {name}, expected the {least} of the saved state beside them or more"
             )
     if difference := contents.difference(source.contents()):
         raise ResultsError(f"{path}: {difference}")

@@ -71,8 +71,10 @@ class Journal:
     def write(self, size: int, pieces: list[tuple[int, bytes]], durable: bool) -> None:
         """Keep what is to be done: pieces of the file by address, and its size afterwards."""
         records = b"".join(RECORD_LAYOUT.pack(at, len(piece)) + piece for at, piece in pieces)
+        # The digest tells a whole journal from one that a crash cut off, in one write.
         content = RECORD_LAYOUT.pack(size, len(records)) + records
         try:
+            # Behind the header, which stays: it names the process and the file.
             _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER_BYTES)
             if durable:
                 os.fsync(self._descriptor)
@@ -119,6 +121,7 @@ def recover(file: Path) -> None:
 def _recover(target: Path) -> None:
     path = journal_of(target)
     try:
+        # An empty journal, so that readers of a running simulation take no lock.
         if path.stat().st_size <= HEADER_BYTES:
             return
         handle = _held(path)
@@ -188,14 +191,18 @@ def _replay(handle: int, target: Path) -> None:
         content[HEADER_BYTES:-DIGEST_BYTES],
         content[-DIGEST_BYTES:],
     )
+    # A journal that is not whole changed nothing yet: the file is as it was committed.
     if len(body) >= RECORD_LAYOUT.size and hashlib.sha256(body).digest() == digest:
         path = partial_of(target) if header.split(b"\n")[1] == b"partial" else target
+        # The user may have removed the results of the run that died.
         with suppress(FileNotFoundError), path.open("r+b", buffering=0) as file:
             size, _ = RECORD_LAYOUT.unpack_from(body)
             for at, piece in _records(body[RECORD_LAYOUT.size :]):
                 _write_all(file.fileno(), piece, at)
+            # Bytes beyond were appended by a commit that never took place.
             os.ftruncate(file.fileno(), size)
             os.fsync(file.fileno())
+    # Emptied only after the file is on the disk: repeating a replay does no harm.
     os.ftruncate(handle, min(len(content), HEADER_BYTES))
 
 
@@ -230,6 +237,8 @@ class JournaledFile(io.RawIOBase):
         super().__init__()
         self.path, self._journal, self._durable = path, journal, durable
         self._handle = os.open(path, os.O_RDWR)
+        # committed: what readers see; reach: how far bytes are on the disk; size: as HDF5 sees the
+        # file.
         self._committed = self._reach = self._size = os.fstat(self._handle).st_size
         self._pages: dict[int, bytes] = {}
         self._at = 0
@@ -275,6 +284,7 @@ class JournaledFile(io.RawIOBase):
     def _is_appended(self, view: memoryview) -> bool:
         """Write what lies beyond the committed end at once, if the disk has room."""
         numbers = _pages_of(self._at, len(view))
+        # Pages in memory hide those on the disk, and readers must not see half a change.
         if numbers.start * PAGE_BYTES < self._committed or not self._pages.keys().isdisjoint(
             numbers
         ):
@@ -291,6 +301,7 @@ class JournaledFile(io.RawIOBase):
         for number in _pages_of(first, len(view)):
             start = number * PAGE_BYTES
             low, high = max(first, start), min(end, start + PAGE_BYTES)
+            # Whole pages are kept, so that reading needs no list of pieces within a page.
             page = bytes(view[low - first : high - first])
             if len(page) < PAGE_BYTES:
                 old = self._content(start, PAGE_BYTES)
@@ -303,6 +314,7 @@ class JournaledFile(io.RawIOBase):
 
     def _content(self, at: int, n: int) -> bytes:
         """n bytes as they will be, zeros beyond the end."""
+        # Reading beyond the reach would give fewer bytes; HDF5 expects zeros there.
         stored = max(min(n, self._reach - at), 0)
         content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
         for number in _pages_of(at, n):
@@ -317,11 +329,13 @@ class JournaledFile(io.RawIOBase):
 
         OSError leaves the file as it was: the disk is full, or somebody has removed the file.
         """
+        # Writing on would go to a file that has no name any more, and be lost without a word.
         if not os.path.samestat(os.fstat(self._handle), self.path.stat()):
-            raise FileExistsError(errno.EEXIST, "somebody has replaced it")
+            raise FileExistsError(errno.EEXIST, "another program has replaced it")
         replaced = self._append()
         if self._durable:
             os.fsync(self._handle)
+        # From here on a crash is repaired by `recover`.
         self._journal.write(self._size, replaced, self._durable)
         try:
             with self._alone(patience):
@@ -345,6 +359,7 @@ class JournaledFile(io.RawIOBase):
 
         OSError where it cannot be made.
         """
+        # Hidden and on the same file system, so that the replacement is atomic.
         copy = self._journal.path.with_suffix(".copy")
         try:
             shutil.copyfile(self.path, copy)
@@ -366,9 +381,11 @@ class JournaledFile(io.RawIOBase):
         """Write what lies beyond the end of the file; the pieces that replace others."""
         replaced = []
         for at, piece in self._pieces():
+            # The part of the page before the committed end, which readers may be looking at.
             inside = max(min(self._committed - at, len(piece)), 0)
             if piece[inside:]:
                 _write_all(self._handle, piece[inside:], at + inside)
+            # HDF5 often writes what is there already; unchanged bytes need no journal.
             if inside and os.pread(self._handle, inside, at) != piece[:inside]:
                 replaced.append((at, piece[:inside]))
         return replaced
@@ -383,6 +400,7 @@ class JournaledFile(io.RawIOBase):
     @contextmanager
     def _alone(self, patience: float) -> Iterator[None]:
         deadline = time.monotonic() + patience
+        # flock itself has no time limit.
         while not lock(self._handle):
             if time.monotonic() > deadline:
                 raise BusyError(errno.EWOULDBLOCK, "others have it open")

@@ -349,6 +349,7 @@ class Events(Recorded, group="events", rows="event"):
     @property
     def still_closed(self) -> NDArray[np.bool_]:
         """(m,) True for the one that had not ended with the run."""
+        # The time loop has no speed of departure for what has not departed.
         return np.isnan(self.opening_speed)
 
     @property

@@ -73,6 +73,7 @@ class Outlines:
     def __init__(self, results: Run, space: Space | None) -> None:
         self._results = results
         self.space = Space() if space is None else space
+        # Old files have no outlines; `at_rest` then makes them from what else is known.
         self._made = dict(self.space.outlines)
         self._blends: dict[str, Blend] = {}
         self._sources: dict[str, Source] = {}
@@ -146,10 +147,12 @@ class Outlines:
         """Where a point is at rest: in the mesh, where the superelement is at hand."""
         outline, center, node = self.at_rest(body), None, None
         if body in self._results.superelement_files:
+            # The place is a courtesy of the table: without the superelement it is in body axes.
             with suppress(RecoveryError, ResultsError, SuperelementError):
                 element = self._results.superelement(body)
                 center, node = element.center, _node_at(point, outline, element.recovery)
         X = outline.points + (0.0 if center is None else center)
+        # Tables show 0 rather than 1e-17.
         rounding = RELATIVE_COORDINATE_ROUNDING * float(np.ptp(X, axis=0).max(initial=0.0))
         x, y, z = np.where(np.abs(X[point]) > rounding, X[point], 0.0).tolist()
         return Place((x, y, z), center is not None, node)

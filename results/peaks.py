@@ -137,6 +137,7 @@ def _stress(results: Results, quantity: str) -> Peak:
     if body not in results.superelement_files:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
+    # By a search that looks at few steps and points, see search.py.
     found, time = results.field_extremes(body, "von_mises"), results.time
     at_largest, at_smallest = float(time[found.at_largest]), float(time[found.at_smallest])
     extremes = found.largest, at_largest, found.smallest, at_smallest
@@ -193,5 +194,7 @@ def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
                 everything = ":".join([name, *("*" for _ in kind.names)])
                 found += _alike(results, everything, gravities)
     if not found:
-        raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
+        raise QuantityError(
+            "the run recorded no quantity that a table of peaks has by default: name quantities"
+        )
     return tuple(found)

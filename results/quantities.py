@@ -381,6 +381,7 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
     Files of earlier versions have names with colons: there the first name takes the parts that are
     too many.
     """
+    # A name that is also an axis is the axis if it stands last.
     axis = parts[-1] if parts and parts[-1] in kind.axes else ""
     names = parts[: len(parts) - bool(axis)]
     surplus = len(names) - len(kind.names)
@@ -388,6 +389,7 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
         first = ":".join(names[: surplus + 1])
         if any(first in names_in_role(results, role) for role in kind.names[0].split("|")):
             return [first, *names[surplus + 1 :]], axis
+    # One part too many can only be a misspelled axis; the caller reports it.
     if kind.axes and len(parts) == len(kind.names) + 1:
         return parts[:-1], parts[-1]
     return parts, ""

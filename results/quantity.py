@@ -161,6 +161,7 @@ def lacking(results: str, version: int, names: str, since: int = 0) -> str:
 def _together(rows: Sequence[int]) -> Any:
     """Rows as an index: a slice if they are consecutive."""
     first = rows[0]
+    # A slice gives a view; a list of rows would copy every batch.
     consecutive = rows[-1] - first + 1 == len(rows)
     return slice(first, first + len(rows)) if consecutive else np.array(rows)
 

@@ -467,8 +467,8 @@ class Results:
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
-                f"body {body!r}: superelement {element.name!r} holds no recovery, for which its "
-                f"body file needs a table [recovery]"
+                f"body {body!r}: superelement {element.name!r} holds no recovery: add "
+                f"a table [recovery] to its body file and preprocess it again"
             )
         self._check_recoverable(body, element)
         return element, element.recovery, element.modes

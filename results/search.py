@@ -113,7 +113,10 @@ class _Search:
         while len(a):
             inside = b - a > 1
             a, b = a[inside], b[inside]
+            # F is convex in x: on the chord it is at most the larger end; off it, at most by what
+            # each mode can add.
             reach = np.maximum(known[a], known[b]) + self._beyond_chord(x, a, b)
+            # What cannot exceed the largest value that is known needs no look.
             a, b = a[reach > self.found.largest], b[reach > self.found.largest]
             middle = (a + b) // 2
             yield middle
@@ -136,6 +139,7 @@ class _Search:
             points = values.argmax(axis=1)
             largest = values[np.arange(len(here)), points]
             known[here] = largest
+            # A stress peaks at few points of a body, so these bound most steps from below.
             self._hot = np.union1d(self._hot, points)
             self._note(first + here, largest, points)
 
@@ -158,6 +162,7 @@ class _Search:
         bounds = np.full(len(x), -np.inf)
         taken: Index = np.zeros(0, dtype=np.int64)
         while True:
+            # Evaluations below can add points, by which the bounds rise.
             fresh = np.setdiff1d(self._hot, taken)
             taken = self._hot
             left = np.flatnonzero(np.isnan(known) & (bounds < self.found.smallest))

@@ -364,6 +364,7 @@ def in_g(found: Series) -> Series:
 
 def parse(text: str) -> tuple[str, list[Step]]:
     """The quantity within, and the transforms from the inside out."""
+    # Greedy, so that the last bracket closes the outermost transform.
     match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None:
         opened = re.match(r"\s*(\w+)\s*\(", text)
@@ -395,6 +396,7 @@ def split(text: str) -> list[str]:
             parts.append("")
         else:
             parts[-1] += character
+    # With brackets that do not match, messages come out best from all parts.
     return parts if depth == 0 else text.split(",")
 
 
@@ -411,6 +413,7 @@ def _quantity(results: Results, quantity: str) -> Series:
     if quantity in TRANSFORMS:
         raise QuantityError(f"{quantity}: expected {form(quantity)}")
     found = evaluate(results, quantity)
+    # One axis was chosen: the series has one column, and no names of columns.
     axes = () if found.axis else KINDS_BY_NAME[found.kind].axes
     owners = {name.partition(".")[0] for name in found.names} & results.bands.keys()
     return Series(
@@ -441,6 +444,7 @@ def _within(found: Series, window: Window) -> Series:
 
 def _applied(found: Series, name: str, given: Given) -> Series:
     expected, values = _expected(found, name, given), found.values
+    # Transforms compute in SI units: the square of an acceleration in g is no density in SI.
     if powers := dict(IN_G.values()).get(found.unit):
         values = values * STANDARD_GRAVITY**powers
     abscissa, made = TRANSFORMS[name].apply(found.abscissa, values, given)

@@ -42,6 +42,7 @@ def of_all(names: Iterable[str], made: Callable[[str], Iterable[Made]]) -> list[
             found += made(name)
         except QuantityError as error:
             lacking = error
+    # Of a mixed list it is enough that some have it; an error is for none.
     if lacking is not None and not found:
         raise lacking
     return found

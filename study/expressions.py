@@ -89,6 +89,7 @@ def _parsed(text: str) -> ast.expr:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # of code that is no arithmetic anyway
+            # Parsed, never evaluated by Python: study files may come from others.
             return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, *ARITHMETIC_FAULTS) as error:
         reason = getattr(error, "msg", str(error))

@@ -92,6 +92,7 @@ def sweep(
         _check(study)
         on_begin(len(todo), len(todo) * study.kind.size(study.base))
         _write_sources(study)
+    # In the order of the study, whatever the order in which workers finish.
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
@@ -103,10 +104,12 @@ def sweep(
         for case in study.cases:
             if case.name in made:
                 finish(case, Report())
+        # Closed at once on errors and Ctrl-C, so that no worker goes on.
         with closing(_reports(study, todo, workers, scheduler)) as reports:
             for case, report in reports:
                 finish(case, report)
     finally:
+        # Also of a study that was stopped: what is done need not be run again.
         write_summary(study.summary, study, list(rows.values()))
         write_units(study, list(rows.values()))
     return tuple(rows.values())
@@ -153,5 +156,6 @@ def _write_sources(study: Study) -> None:
         try:
             case.source.write_text(case.text, encoding="utf-8")
         except (OSError, UnicodeEncodeError) as error:
+            # No half-written case stays behind.
             case.source.unlink(missing_ok=True)
             raise StudyError(f"{case.source}: cannot be written: {in_words(error)}") from error

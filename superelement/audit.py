@@ -71,6 +71,7 @@ def _checks(element: Superelement) -> Iterator[Check]:
     if element.outline is not None and element.outline.n_facets:
         yield _closed(element.outline)
     yield from quick_checks(element)
+    # A body without interfaces has no kernel that could be wrong.
     if element.n_c:
         yield _free_of_rigid_motion(element)
         yield _passive(element)
@@ -92,6 +93,7 @@ def _reciprocal(where: str, matrices: Array) -> Check:
 
 def _closed(outline: Outline) -> Check:
     """The areas of facets as vectors, which sum up to none on a closed surface."""
+    # Gauss: the integral of the outer normal over a closed surface is zero.
     areas = normals(outline.points, outline.triangles)
     total = float(np.linalg.norm(areas, axis=1).sum())
     found = float(np.linalg.norm(areas.sum(axis=0))) / max(total, np.finfo(float).tiny)
@@ -111,6 +113,7 @@ def _free_of_rigid_motion(element: Superelement) -> Check:
         decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES_OF_DECAY, N_REAL_DELAYS)
     ).astype(complex)
     sigma, _ = kernel.scheme.symbols(kernel.h, d)
+    # Least squares: with few interfaces the rigid modes at them can be dependent.
     back = np.linalg.pinv(_rigid_modes(element))
     excess = back @ (summed(kernel, d).real - element.compliance) @ back.T
     # Of a body that is soft for so short a kernel, the rounding of H would pass for rigid motion.
@@ -155,6 +158,7 @@ def _passive(element: Superelement) -> Check:
 
 def _every_lag(element: Superelement, modes: Modes) -> Iterator[Check]:
     kernel = element.kernel
+    # The recursion that made the kernel; `powers_of_two` in the quick checks is another way to it.
     again = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
     for name in ("g", "g_initial"):
         found, expected = getattr(kernel, name), getattr(again, name)
@@ -166,6 +170,7 @@ def _every_lag(element: Superelement, modes: Modes) -> Iterator[Check]:
 def _transfer(element: Superelement, modes: Modes) -> Check:
     """The transfer function of the lags against that of the modes in closed form, over the band."""
     kernel = element.kernel
+    # Beyond a quarter of the sampling rate time stepping differs from the body in any case.
     band = 0.25 / kernel.h if kernel.band is None else kernel.band
     d = _circle(element, min(2.0 * np.pi * band * kernel.h, np.pi))
     expected = transfer(modes, kernel.h, kernel.scheme, d)

@@ -33,12 +33,14 @@ def checked_cells(name: str, value: Any, n_points: int) -> IntArray:
             f"{cells.min()} to {cells.max()}"
         )
     cells = cells.astype(np.int64)
+    # Cells are shared between superelements, outlines and views without copies.
     cells.flags.writeable = False
     return cells
 
 
 def of_size(cells: IntArray, k: int) -> IntArray:
     """The cells (m, k) that have k points."""
+    # Where no row is as long as k, the slice is narrower than (0, k), which callers index.
     chosen: IntArray = cells[sizes(cells) == k, :k]
     return chosen if chosen.shape[1] == k else np.empty((0, k), dtype=np.int64)
 

@@ -61,6 +61,7 @@ class Chain:
 
     def __post_init__(self) -> None:
         tau = checked("chain: tau", self.tau, ("k",))
+        # One amplitude for all modes, or one for each of them.
         shape = (len(tau), "m")[: max(1, np.ndim(self.amplitude))]
         a = checked("chain: amplitude", self.amplitude, shape)
         if not len(tau) or tau[0] <= 0.0 or (np.diff(tau) <= 0.0).any():

@@ -63,6 +63,7 @@ class Channels:
             names = [entry.name for entry in entries]
             if len(set(names)) != len(names):
                 raise SuperelementError(f"{kind}: expected different names, found {names}")
+        # Frozen dataclasses can replace what was given only in this way, here by checked arrays.
         if self.phi is not None:
             object.__setattr__(self, "phi", checked("channels: phi", self.phi, (self.n, "m")))
         for name in ("compliance", "accelerance"):

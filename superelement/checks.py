@@ -101,6 +101,8 @@ def deviation(found: Any, expected: Any, scale: Array) -> float:
 def negative_part(A: Any, scale: Array) -> float:
     """The most negative eigenvalue of a Hermitian matrix, its rows on their scale; 0 if none."""
     scaled = A / np.outer(scale, scale)
+    # Where entries are far above the scale of their rows, rounding of these entries would pass for
+    # a negative eigenvalue.
     scaled = scaled / max(1.0, MAX_RELATIVE_DEVIATION * np.abs(scaled).max(initial=0.0))
     return float(max(0.0, -np.linalg.eigvalsh(scaled).min(initial=0.0)))
 
@@ -114,6 +116,7 @@ def scale_of(element: Superelement, A: Array) -> Array:
     moves = np.concatenate(
         [np.zeros(0, dtype=bool), *(np.arange(face.n_dofs) < 3 for face in element.interfaces)]
     )
+    # Never zero: scales are divided by.
     least = np.full(len(diagonal), np.finfo(float).tiny)
     for kind in (moves, ~moves):
         least[kind] += MIN_RELATIVE_ROW_SCALE * diagonal[kind].max(initial=0.0)
@@ -128,6 +131,7 @@ def decay(steps: int) -> float:
 
 def _inertia(J_rot: Array) -> Check:
     """The moments about two axes add up to more than that about the third, as y^2 + z^2 do."""
+    # Ascending, so that only the largest can exceed the sum of the others.
     first, second, third = np.linalg.eigvalsh(J_rot)
     return Check(
         "rigid/J_rot",
@@ -153,6 +157,7 @@ def _start(element: Superelement) -> Iterator[Check]:
     kernel, H = element.kernel, element.compliance
     g_0 = kernel.g[0]
     yield _definite(element, "kernel/g", g_0)
+    # Without stiffness a load of one step would move the body that far.
     bound = element.accelerance / kernel.scheme.beta_prime(kernel.h)
     yield _at_most(element, "kernel/g", "the start within the compliance", g_0, H)
     yield _at_most(element, "kernel/g", "the start within that of the accelerance", g_0, bound)
@@ -199,6 +204,7 @@ def _of_channels(element: Superelement) -> Iterator[Check]:
     n = element.n_c
     for name in ("compliance", "accelerance"):
         A = getattr(element, f"complete_{name}")
+        # Rows of patterns and sensors have units of their own, so each is its own scale.
         own = np.sqrt(np.maximum(np.abs(A.diagonal()), np.finfo(float).tiny))
         yield Check(
             f"channels/{name}",
@@ -306,6 +312,7 @@ def powers_of_two(
         lags.append(power)
         impulse.append(np.einsum("mj,mj->m", A[:, 0], loaded))
         start.append(np.einsum("mj,mj->m", A[:, 0], initial))
+        # Squaring reaches lag 2^k in k products.
         A, power = A @ A, 2 * power
     return lags, np.array(impulse), np.array(start)
 

@@ -41,6 +41,7 @@ def put_large(parent: h5py.Group, name: str, data: Any, units: str = "", kind: A
             compression="gzip",
             compression_opts=1,
         )
+        # Chunk by chunk: a converted copy of everything would double the memory.
         for part in found.iter_chunks():
             found[part] = data[part].astype(kind)
     if units:

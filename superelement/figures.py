@@ -31,6 +31,7 @@ def cylinder(radius: float, length: float, axis: Array, center: Any = (0.0, 0.0,
     across = across_of(axis)
     rim = radius * (np.column_stack([np.cos(angles), np.sin(angles)]) @ across)
     ends = [rim - 0.5 * length * axis, rim + 0.5 * length * axis]
+    # The last two points are the centers of the end faces, which are fans of triangles.
     caps = [-0.5 * length * axis[None], 0.5 * length * axis[None]]
     first = np.arange(POINTS_AROUND_AXIS)
     after = np.roll(first, -1)
@@ -60,6 +61,8 @@ def sphere(radius: float, center: Any = (0.0, 0.0, 0.0)) -> Outline:
 
 def across_of(axis: Array) -> Array:
     """Two unit vectors (2, 3) across a unit axis, which with it turn to the right."""
+    # The coordinate axis that is farthest from parallel, so that the cross product is well
+    # conditioned.
     least = np.eye(3)[np.argmin(np.abs(axis))]
     one = np.cross(axis, least)
     one /= np.linalg.norm(one)

@@ -228,6 +228,7 @@ def _put_interfaces(parent: h5py.Group, body: Superelement) -> None:
     names = [interface.name for interface in body.interfaces]
     X = np.array([interface.X for interface in body.interfaces]).reshape(-1, 3)
     rotations = np.array([interface.rotations for interface in body.interfaces], dtype=bool)
+    # Redundant, but other programs find the rows of an interface without counting dofs.
     rows = np.array([body.rows(name).start for name in names], dtype=np.int64)
     parent.create_dataset("name", data=names, dtype=h5py.string_dtype())
     put(parent, "X", X, "m")
@@ -358,6 +359,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
     )
     _check_rows(file, body)
     require_sound(body)
+    # Last: a file that is wrong elsewhere has a clearer message by then.
     _check_placement(file, body)
     return body
 

@@ -152,6 +152,7 @@ def _scalar_responses(
     modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int
 ) -> tuple[Array, Array]:
     """Responses (steps + 1, m) of each mode to a unit load at the first step, and to one at t_0."""
+    # One step more, whose start is dropped: g[0] is the response at the end of the loaded step.
     impulse = respond(modes, h, scheme, [1.0, *repeat(0.0, steps)])
     initial = respond(modes, h, scheme, repeat(0.0, steps), acceleration=1.0)
     return np.array(list(impulse))[1:], np.array(list(initial))
@@ -167,11 +168,13 @@ def spread(phi: Array, coefficients: Array) -> Array:
     n_c, n_k = len(phi), len(coefficients)
     i, j = np.triu_indices(n_c)
     pairs = (phi[i] * phi[j]).T
+    # Rows of zeros fill the last product, see above.
     block = np.zeros((PRODUCT_ROWS, len(phi.T)))
     g = np.empty((n_k, n_c, n_c))
     for first in range(0, n_k, PRODUCT_ROWS):
         rows = coefficients[first : first + PRODUCT_ROWS]
         block[: len(rows)] = rows
         g[first : first + PRODUCT_ROWS, i, j] = (block @ pairs)[: len(rows)]
+    # Mirrored rather than computed twice, so that the symmetry is exact.
     g[:, j, i] = g[:, i, j]
     return g

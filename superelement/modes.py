@@ -92,6 +92,7 @@ class Modes:
         By iteration, for the stiffness changes far less than the frequency.
         """
         w = self.omega
+        # A fixed number of steps: each gains digits, for c(w) varies slowly with frequency.
         for _ in range(RESONANCE_ITERATIONS if self.chain is not None else 0):
             w = self.omega * np.sqrt(self._factor(w).real)
         return w

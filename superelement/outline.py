@@ -85,6 +85,7 @@ class Outline:
         if self.node is None:
             return self.points
         count = np.bincount(self.node)
+        # bincount with weights adds the coordinates of all points of a node.
         sums = np.array([np.bincount(self.node, x) for x in self.points.T])
         return (sums / np.maximum(count, 1)).T[self.node]
 
@@ -98,6 +99,7 @@ class Outline:
         """Whether its points are those of a recovery, or its sections at nodes of one."""
         node = np.arange(len(self.points)) if self.node is None else self.node
         n = len(recovery.points)
+        # A recovery of another mesh: its points would be indexed out of range.
         if node.max(initial=-1) >= n or (self.node is None and len(node) != n):
             return False
         size = float(np.ptp(self.points, axis=0).max(initial=0.0))

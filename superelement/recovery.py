@@ -109,6 +109,7 @@ def von_mises(stress: Array) -> Array:
     >>> float(von_mises(np.array([100.0, 0.0, 0.0, 0.0, 0.0, 0.0])))
     100.0
     """
+    # The order yz, xz, xy of the shear stresses does not matter here.
     xx, yy, zz, *shear = np.moveaxis(stress, -1, 0)
     square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * sum(
         s * s for s in shear

@@ -92,6 +92,8 @@ def stressed(
             step_stiffness = inertia + gamma * step * damping + beta * step * step * stepped
             a = acceleration * inertia / step_stiffness if last else a
             last = step
+        # Maxwell springs act like added stiffness on the change of eta, and like a load by their
+        # past.
         before, pull = eta, stiffness * springs.carried(eta)
         eta = eta + step * rate + step * step * (0.5 - beta) * a
         rate = rate + step * (1 - gamma) * a

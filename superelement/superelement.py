@@ -299,6 +299,7 @@ class Superelement:
         return self._fitting(self.complete_kernel, h, scheme, steps)
 
     def _fitting(self, stored: Kernel, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+        # Steps come from text files and divisions; a last digit must not cost a new kernel.
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
         if same and stored.steps >= steps:
             return stored
@@ -319,6 +320,7 @@ class Superelement:
         modes = self.modes
         if modes is None:
             raise SuperelementError(f"{self.name}: no modes")
+        # Not for a last digit that differs by rounding.
         if h < modes.h_min * (1.0 - 1e-9):
             warnings.warn(
                 f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "

@@ -54,12 +54,16 @@ def exported(folder: str | os.PathLike[str]) -> Iterator[Export]:
     made, unfinished = _make(place), place / UNFINISHED_NAME
     try:
         with _failures_named(place):
+            # Folders of exports that were killed, on this machine.
             remove_orphans(unfinished)
             prefix = temporary_prefix(unfinished)
+            # Within the folder itself: only on the same disk are files moved without copying.
             with tempfile.TemporaryDirectory(prefix=prefix, dir=place) as temporary:
                 export = Export(place, Path(temporary))
                 yield export
+                # Only here, when all files are whole.
                 export.appear()
+    # Also for Ctrl-C.
     except BaseException:
         for path in made:
             shutil.rmtree(path, ignore_errors=True)

@@ -178,7 +178,9 @@ def write_loads(
     """
     chosen = tuple(bodies) or tuple(results.superelement_files)
     if not chosen:
-        raise ExportError("the run has no flexible body, whose loads could be those of a mesh")
+        raise ExportError(
+            "the run has no flexible body; loads are written for flexible bodies only"
+        )
     sets = [load_set(results, body, at) for body in chosen]
     with exported(folder) as export:
         for stem, loads in zip(distinct(f"{name}-{body}" for body in chosen), sets, strict=True):
@@ -194,8 +196,8 @@ def _wrenches(results: Results, body: str, element: Superelement) -> dict[str, W
     missing = [name for name in names if f"{body}.{name}" not in results.frames]
     if body not in results.bodies or missing:
         raise ExportError(
-            f"body {body!r}: its loads need the body and all of its interfaces in the results: "
-            f"not recorded are {', '.join(missing) or 'its position and rotation'}"
+            f"body {body!r}: expected the body and all of its interfaces in the results, but the run "
+            f"did not record {', '.join(missing) or 'its position and rotation'}"
         )
     back = inverse(results.body(body).R)
     found = {}

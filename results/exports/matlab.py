@@ -130,12 +130,12 @@ def _require_room(results: Results, target: Path, rows: slice) -> None:
     if sizes[largest] > MAX_VARIABLE_BYTES:
         raise ExportError(
             f"{target}: {largest} would take {gigabytes(sizes[largest])}, and a MATLAB file of "
-            f"version 5 holds 2 GB a variable: expected fewer steps; ncread of MATLAB reads the "
-            f"results file itself"
+            f"version 5 holds 2 GB a variable: export fewer steps, or read the results file itself "
+            f"with MATLAB's ncread"
         )
     # once as arrays, once as the bytes of the largest group
     if lacking := shortage(sum(sizes.values()) + sizes[largest]):
-        raise ExportError(f"{target}: {lacking}: expected fewer steps")
+        raise ExportError(f"{target}: {lacking}: export fewer steps")
 
 
 def _owned(results: Results, rows: slice) -> Struct:

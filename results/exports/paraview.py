@@ -76,7 +76,9 @@ def write_vtk(
     """
     bodies, points = results.bodies, _points(results)
     if not bodies and not points:
-        raise ExportError("the run recorded no body, frame or contact: nothing moves")
+        raise ExportError(
+            "the run recorded no body, frame or contact, so there is nothing to export"
+        )
     with exported(folder) as export:
         if bodies:
             with export.file(f"{name}.vtkhdf") as path:

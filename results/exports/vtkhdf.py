@@ -38,6 +38,7 @@ class Cells:
         """Of rows of point numbers (n, k), which -1 fills."""
         given = rows >= 0
         sizes = given.sum(axis=1)
+        # Types by size: outlines have no two types of cells with as many points.
         types = np.array([VTK_CELL_TYPES[size] for size in sizes.tolist()], dtype=np.int64)
         return cls(points, rows[given].astype(np.int64), np.append(0, np.cumsum(sizes)), types)
 
@@ -73,6 +74,7 @@ class Grid:
         self, file: h5py.File, times: Array, cells: Cells, of_cells: Mapping[str, IntArray]
     ) -> None:
         self._points, self._steps = cells.points, len(times)
+        # VTK shows fields in the order in which they were made.
         self._root = file.create_group("VTKHDF", track_order=True)
         self._root.attrs["Version"] = np.array(VTKHDF_VERSION, dtype=np.int64)
         self._root.attrs["Type"] = np.bytes_("UnstructuredGrid")
@@ -91,6 +93,7 @@ class Grid:
             self._append(f"PointData/{name}", values, np.float32)
 
     def _append(self, path: str, values: Array, kind: type) -> None:
+        # VTKHDF has the points of all times in one dataset, one time behind the other.
         rows: Array = np.asarray(values, dtype=kind).reshape(-1, *values.shape[2:])
         if path not in self._root:
             self._create(path, rows)
@@ -133,6 +136,7 @@ def _put_steps(group: h5py.Group, times: Array, offsets: IntArray) -> None:
     steps["PartOffsets"] = np.zeros(n, dtype=np.int64)
     steps["NumberOfParts"] = np.ones(n, dtype=np.int64)
     steps["PointOffsets"] = offsets
+    # Zero for all times: they share the cells of the first one.
     steps["CellOffsets"] = np.zeros((n, 1), dtype=np.int64)
     steps["ConnectivityIdOffsets"] = np.zeros((n, 1), dtype=np.int64)
     for data in ("PointData", "CellData"):

@@ -43,6 +43,7 @@ def band_edges(lowest: float, highest: float, fraction: int = 3) -> tuple[Array,
     """
     _check(fraction)
     half = 0.5 / fraction
+    # For even fractions 1 kHz is an edge, for odd ones a center (IEC 61260-1).
     shift = 0.0 if fraction % 2 else half
     first = math.ceil((_octaves(lowest) + half - shift) * fraction - 1e-9)
     last = math.floor((_octaves(highest) - half - shift) * fraction + 1e-9)
@@ -96,12 +97,15 @@ def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
             f"half its sampling rate, {nyquist:.4g} Hz"
         )
     powers = periodogram(series)
+    # Each line stands for the power half a distance to both sides.
     edges = np.concatenate([[0.0], powers.frequency + 0.5 * width])
+    # The power below each edge; differences at band edges then share lines out linearly.
     below = np.concatenate([np.zeros((1, *powers.values.shape[1:])), powers.values]).cumsum(axis=0)
     columns = below.reshape(len(edges), -1)
     square = np.stack(
         [np.interp(upper, edges, c) - np.interp(lower, edges, c) for c in columns.T], axis=1
     )
+    # Differences of large sums may be negative by rounding.
     values = np.sqrt(np.maximum(square, 0.0)).reshape(len(center), *series.values.shape[1:])
     return Bands(center, lower, upper, values)
 

@@ -145,6 +145,7 @@ def butterworth(
 def _of_one_pass(corner: float, side: str, order: int, step: float) -> float:
     """The corner of one pass, over half the sampling rate, so that two have -3 dB at `corner`."""
     power = -1.0 if side == "low" else 1.0
+    # The bilinear transform compresses frequencies by the tangent.
     analog = math.tan(math.pi * corner * step) * CORNER_OF_BOTH_PASSES ** (power / (2 * order))
     return 2.0 / math.pi * math.atan(analog)
 
@@ -154,8 +155,10 @@ def _both_ways(series: Sampled, sections: Array, lowest: float) -> Sampled:
 
     lowest: the lowest corner [Hz].
     """
+    # Imported late: it takes long to load, and most uses need no filter.
     from scipy.signal import sosfiltfilt
 
+    # Long enough for the filter to forget its start.
     added = max(FEWEST, math.ceil(max(MIRRORED, PERIODS / lowest) / series.step))
     filtered = sosfiltfilt(
         sections, series.values, axis=0, padtype="odd", padlen=min(added, len(series.time) - 1)

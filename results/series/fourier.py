@@ -209,6 +209,7 @@ def _sides(n: int) -> Array:
     """2 for frequencies that stand for their negative ones too, otherwise 1."""
     sides = np.full(n // 2 + 1, 2.0)
     sides[0] = 1.0
+    # With an even number the last frequency is half the rate, which has no negative partner.
     if n % 2 == 0:
         sides[-1] = 1.0
     return sides
@@ -228,6 +229,7 @@ def _segment(series: Sampled, resolution: float | None) -> int:
     n = len(series.time)
     if resolution is None:
         return max(3, 2 * n // (WELCH_SEGMENTS + 1))
+    # The distance of the frequencies of a segment is one over its length in time.
     length = round(series.rate / resolution) if resolution > 0.0 else 0
     if not 3 <= length <= n:
         raise SeriesError(

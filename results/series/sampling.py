@@ -73,6 +73,7 @@ def sampled(time: Array, values: Array) -> Sampled:
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     _check(time, values)
     steps = np.diff(time)
+    # Runs end at t_end, which is rarely a multiple of the step.
     if len(steps) > 1 and steps[-1] < (1.0 - RELATIVE_STEP_ROUNDING) * steps[-2]:
         time, values, steps = time[:-1], values[:-1], steps[:-1]
     shortest, coarsest = float(steps.min()), float(steps.max())
@@ -84,6 +85,7 @@ def sampled(time: Array, values: Array) -> Sampled:
 def _filled(time: Array, values: Array, steps: Array) -> Sampled:
     """Linear between the samples, at multiples of the shortest step."""
     shortest, coarsest = float(steps.min()), float(steps.max())
+    # Positions are counted in whole shortest steps, so that rounding does not add up.
     ratios = np.round(steps / shortest)
     if np.abs(steps / shortest - ratios).max() > RELATIVE_STEP_ROUNDING * coarsest / shortest:
         raise SeriesError(
@@ -98,6 +100,7 @@ def _filled(time: Array, values: Array, steps: Array) -> Sampled:
             f"of the shortest one, found {whole[-1]:.6g}"
         )
     fine = np.arange(whole[-1] + 1.0)
+    # np.interp takes one column at a time.
     columns = values.reshape(len(time), -1)
     filled = np.stack([np.interp(fine, whole, column) for column in columns.T], axis=1)
     return Sampled(

@@ -424,7 +424,7 @@ def test_what_is_missing_or_of_another_run_is_named(coarse, tmp_path):
     kept = state.read_bytes()
     in_parts(model, path, 10)
     state.write_bytes(kept)
-    with pytest.raises(ResultsError, match=f"{path}: results of another run than the state"):
+    with pytest.raises(ResultsError, match=f"{path}: these results are not of the run"):
         simulate(model, output=path, resume=True)
     with pytest.raises(StateError, match="resume: expected the file of the results as output"):
         simulate(model, resume=True)

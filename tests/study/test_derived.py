@@ -113,7 +113,7 @@ def test_the_cases_do_not_share_what_is_changed(study_file):
         ),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "J * L"\nderived.L = "bodies.hub.mass"',
-            "follows from itself",
+            "depends on itself",
         ),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "J"\nparameters.bodies.hub.mass = [1]',
