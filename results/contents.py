@@ -93,6 +93,7 @@ class Contents:
         # Names before entries: another set of variables makes other dimensions, too.
         names, others = ([q.name for q in c.quantities] for c in (self, other))
         if names != others:
+            # Those that only one of both has.
             odd = sorted({*names} ^ {*others})
             return f"other variables are recorded: {', '.join(odd)}"
         for name in sorted({*self.axes, *other.axes}):

@@ -348,6 +348,7 @@ def check(results: Results, text: str) -> Series:
     found = _quantity(results, quantity)
     try:
         for name, given in steps:
+            # The unit "g" is no transform of the table: it has no arguments, and computes nothing.
             found = in_g(found) if name == IN_GRAVITIES else _expected(found, name, given)
     except (SeriesError, QuantityError) as error:
         raise QuantityError(f"{text}: {error}") from error

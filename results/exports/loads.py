@@ -196,8 +196,8 @@ def _wrenches(results: Results, body: str, element: Superelement) -> dict[str, W
     missing = [name for name in names if f"{body}.{name}" not in results.frames]
     if body not in results.bodies or missing:
         raise ExportError(
-            f"body {body!r}: expected the body and all of its interfaces in the results, but the run "
-            f"did not record {', '.join(missing) or 'its position and rotation'}"
+            f"body {body!r}: expected the body and all of its interfaces in the results, but the "
+            f"run did not record {', '.join(missing) or 'its position and rotation'}"
         )
     back = inverse(results.body(body).R)
     found = {}
