@@ -159,7 +159,7 @@ $(CI)/%/.installed: $(INSTALL)
 	@touch $@
 
 # An editable install hides the namespace from mypy, so it is shown a tree of links with the same shape.
-build/types/.linked: Makefile
+build/types/.linked: Makefile $(wildcard top/*.py)
 	mkdir -p build/types/duhamel
 	for package in $(PACKAGES); do ln -sfn ../../../$$package build/types/duhamel/$$package; done
 	ln -sfn $(patsubst %,../../../%,$(wildcard top/*)) build/types/duhamel

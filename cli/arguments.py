@@ -29,6 +29,12 @@ ResultsFile = Annotated[
         autocompletion=files(*HDF5, ".nc"),
     ),
 ]
+Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
+
+
+def results_of(model_file: Path) -> Path:
+    """The results file of a model unless another is given."""
+    return model_file.parent / f"{model_file.stem}-results.h5"
 
 
 def time_or_worst(at: str | None) -> "float | Literal['worst']":

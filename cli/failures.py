@@ -11,8 +11,6 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from ..files.outputs import in_words
-
 LONGEST = 2000
 """characters of a line"""
 
@@ -48,6 +46,8 @@ def _of_the_system(error: OSError) -> str:
     if error.errno == errno.EPIPE:
         raise error
     if error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        from ..files.outputs import in_words
+
         return f"standard output: cannot be written: {in_words(error)}"
     return str(error)
 

@@ -300,10 +300,10 @@ class Results:
         """A contact or a stop."""
         if name in self.stops:
             return self.stop(name)
-        return self._of(ContactMotion, name, events=self.events[name])
+        return self._of(ContactMotion, name, events=self.events.get(name))
 
     def stop(self, name: str) -> StopMotion:
-        return self._of(StopMotion, name, events=self.events[name])
+        return self._of(StopMotion, name, events=self.events.get(name))
 
     def coupler(self, name: str) -> CouplerMotion:
         return self._of(CouplerMotion, name)

@@ -7,7 +7,7 @@ docs/validity.md.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import NamedTuple
 
 # Of one criterion: a model of hundreds of bodies would hide the others.
@@ -32,8 +32,9 @@ class Criterion:
     good: float
     limit: float
     advice: str
+    _: KW_ONLY
+    measures: str
     least: bool = False
-    measures: str = ""
 
     def verdict(self, value: float) -> str:
         """ "good", "fair", "poor" beyond the limit; "unknown" for what is no number."""

@@ -1,7 +1,8 @@
 """Dynamics of mechanisms of rigid bodies and superelements."""
 
 from ..results.results import Results
-from .checkpoint.moment import Moment
+from .checkpoint.saved_state import Moment as Moment
+from .checkpoint.saved_state import SavedState
 from .couplings.contacts import Contact, Hertz
 from .couplings.couplers import Coupler
 from .couplings.friction import Coulomb, JointFriction, Stribeck
@@ -57,7 +58,9 @@ from .model.loads import LOADS, Drag, Force, Load, PatternLoad, Torque
 from .model.model import Model
 from .model.output_request import OutputRequest
 from .model.settings import Settings, StartFrom, SteadyRotation
-from .plausibility import Doubt, doubts
+from .plausibility import Doubt as Doubt
+from .plausibility import Implausible, plausibility_warnings
+from .plausibility import doubts as doubts
 from .signals.composed import Delayed, Product, Sum
 from .signals.curves import (
     Constant,
@@ -104,7 +107,6 @@ __all__ = [
     "Cylindrical",
     "DamperLaw",
     "Delayed",
-    "Doubt",
     "Drag",
     "Fixed",
     "FlexibleBody",
@@ -119,6 +121,7 @@ __all__ = [
     "Haversine",
     "Hertz",
     "Impact",
+    "Implausible",
     "Impulse",
     "Input",
     "Joint",
@@ -132,7 +135,6 @@ __all__ = [
     "Model",
     "ModelCheck",
     "ModelError",
-    "Moment",
     "Motor",
     "Noise",
     "OneSidedLaw",
@@ -159,6 +161,7 @@ __all__ = [
     "RigidBody",
     "RigidSuperelement",
     "Rod",
+    "SavedState",
     "Sawtooth",
     "Screw",
     "Settings",
@@ -192,10 +195,10 @@ __all__ = [
     "campbell",
     "check",
     "check_law",
-    "doubts",
     "given_moduli",
     "linearize",
     "model_schema",
+    "plausibility_warnings",
     "read_model",
     "simulate",
     "start",

@@ -30,8 +30,8 @@ LARGE_FLIGHT = 10.0
 """displacement in a step over the size of the model that no motion of it has"""
 NEARLY_DEPENDENT = 0.03
 """singular value of the Jacobian of joints, with rows of length one, of a pose next to singular"""
-INVOLVED = 0.1
-"""share of a row in a dependence from which on it is named"""
+# share of a row in a dependence; more rows than cause it would hide those that do
+MIN_NAMED_SHARE = 0.1
 FEW_ITERATIONS = 10
 COARSE_BRISTLE = 1e-3
 """rounding of a bristle's force, over that at which it slips, which hides whether it does"""
@@ -50,11 +50,12 @@ class Failure(NamedTuple):
 def likely_cause(lowered: LoweredModel, state: State, work: Workspace, time: float) -> str:
     """The first cause that shows, "" if none does; the state is put back to the prediction."""
     failure = Failure(lowered, state, work, time)
+    # Before the state is put back: both look at what Newton's method left.
     given, unsettled = _input(failure), _unsettled(failure)
     if given:
         return given
     _predict(failure)
-    found = (find(failure) for find in CAUSES)
+    found = (find(failure) for find in FAILURE_CAUSES)
     return next((cause for cause in found if cause), unsettled)
 
 
@@ -130,18 +131,20 @@ def _flight(failure: Failure) -> str:
 def _dependence(failure: Failure) -> str:
     """Joints that depend on one another in this pose, or nearly so."""
     lowered, state, work, _ = failure
+    # Singular values of large models would take longer than the run until there.
     if not is_small(lowered.system) or not len(constraint_rows(lowered.system)):
         return ""
     B, _ = constraint_jacobian(lowered.system, state, work)
     J, _ = unit_rows(dense_of(B @ geometric_scale(lowered.system)))
     left, values, _ = np.linalg.svd(J)
+    # More rows than unknowns are dependent in any pose.
     least = float(values[-1]) if len(J) <= J.shape[1] else 0.0
     if not least < NEARLY_DEPENDENT:
         return ""
-    rows = constraint_rows(lowered.system)[np.abs(left[:, -1]) > INVOLVED].tolist()
+    rows = constraint_rows(lowered.system)[np.abs(left[:, -1]) > MIN_NAMED_SHARE].tolist()
     driven = any(lowered.system.couplings.drive[i] >= 0 for i in rows)
-    ask = "; its drive asks for a pose that the mechanism cannot reach, or passes with two ways on"
-    return f"a singular pose, in which depend on one another {describe_rows(lowered, rows)}" + (
+    ask = "; its drive requires a pose that the mechanism cannot reach, or where its path branches"
+    return f"a singular pose, with dependent constraints {describe_rows(lowered, rows)}" + (
         ask if driven else ""
     )
 
@@ -172,6 +175,7 @@ def _stiffness(failure: Failure) -> str:
     if not couplings.n_compliant:
         return ""
     stiffness = np.array([_slope(failure, i) for i in range(len(couplings.compliant))])
+    # stiffness times mobility is the square of the frequency of the row alone.
     frequency = np.sqrt(np.maximum(stiffness * _mobility(failure), 0.0))
     i = int(np.argmax(frequency))
     if not frequency[i] * lowered.h > 1.0:
@@ -206,6 +210,7 @@ def _unsettled(failure: Failure) -> str:
     """A force law that Newton's method did not satisfy."""
     lowered, work = failure.lowered, failure.work
     compliant = lowered.system.couplings.compliant == 1
+    # phi of a law is its multiplier less its force, relative to the force of the step.
     error = np.abs(work.couplings.phi) * compliant / np.maximum(work.couplings.scale, 1e-300)
     if not error.size or not error.max() > lowered.model.settings.tolerance:
         return ""
@@ -219,4 +224,4 @@ def _iterations(failure: Failure) -> str:
     return f"max_iterations = {limit} are few" if limit < FEW_ITERATIONS else ""
 
 
-CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)
+FAILURE_CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)

@@ -1,4 +1,4 @@
-"""What can be said of a model before it runs: `check`."""
+"""The inspection of a model before it runs: `check`."""
 
 import time
 from collections.abc import Iterator
@@ -22,22 +22,20 @@ from .model.model import Model
 from .output.columns import requested
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
-from .output.validity import Judge
+from .output.validity import ValidityMonitor
 from .output.writer import check_output, contents_of, make_writer, rows_of
-from .plausibility import doubts
-from .simulation import Course, march
+from .plausibility import plausibility_warnings
+from .simulation import PreparedRun, integrate
 from .start.damping import DampedMotion, damped_motions, damping_in_words
 from .start.frequencies import vibrations
 from .start.initial import InitialState, initialize, lower_to_start
 from .step.contacts import penetration_of
 
-TRIAL = 128
-"""steps that are taken to measure the time of one"""
-SHOWN = 6
-"""frequencies"""
+TRIAL_STEPS = 128
+MAX_FREQUENCIES = 6
 NOTHING_JUDGED = Validity(())
-FEW = 20
-"""steps in a period below which a motion is not what it should be: an error of some per cent"""
+# below, the error of a vibration is some per cent
+MIN_STEPS_IN_PERIOD = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +107,7 @@ class ModelCheck:
             return f"natural frequencies of the bodies, free [Hz]: {listed or 'not known'}"
         if not len(self.frequencies):
             return "natural frequencies [Hz]: none, nothing is elastic"
-        first = ", ".join(f"{f:.5g}" for f in self.frequencies[:SHOWN])
+        first = ", ".join(f"{f:.5g}" for f in self.frequencies[:MAX_FREQUENCIES])
         about = "linearized about the initial state, without damping, preload and spin"
         return f"natural frequencies, {about} [Hz]: {first}"
 
@@ -164,7 +162,7 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
             *_warnings(frequencies, free, lowered.longest_step),
             *fast,
             *_lacks(path, contents, rows),
-            *(doubt.text for doubt in doubts(model)),
+            *(found.text for found in plausibility_warnings(model)),
             *(f"in the first {trial.steps} steps: {line}" for line in trial.validity.brief()),
         ),
         validity=trial.validity,
@@ -202,10 +200,11 @@ def _free_frequencies(model: Model) -> dict[str, float]:
 
 def _warnings(frequencies: Array | None, free: dict[str, float], h: float) -> Iterator[str]:
     known = list(free.values()) if frequencies is None else frequencies.tolist()
-    if known and (steps := 1.0 / (min(known) * h)) < FEW:
+    if known and (steps := 1.0 / (min(known) * h)) < MIN_STEPS_IN_PERIOD:
         yield (
             f"the first frequency, {min(known):.5g} Hz, has {steps:.2g} steps in a period: "
-            f"expected {FEW} or more, simulation.step = {1.0 / (FEW * min(known)):.2g}"
+            f"expected {MIN_STEPS_IN_PERIOD} or more, "
+            f"simulation.step = {1.0 / (MIN_STEPS_IN_PERIOD * min(known)):.2g}"
         )
 
 
@@ -241,15 +240,16 @@ def _fast_servos(initial: InitialState) -> Iterator[str]:
     lowered = initial.lowered
     for motor, pole in zip(lowered.model.motors, initial.state.motors.pole.tolist(), strict=True):
         turn = pole * lowered.longest_step
-        if turn > 2.0 * np.pi / FEW:
+        if turn > 2.0 * np.pi / MIN_STEPS_IN_PERIOD:
             yield (
                 f"{motor.owner}: its servo has {2.0 * np.pi / turn:.2g} steps in a period: "
-                f"expected {FEW} or more, simulation.step = {2.0 * np.pi / (FEW * pole):.2g}"
+                f"expected {MIN_STEPS_IN_PERIOD} or more, "
+                f"simulation.step = {2.0 * np.pi / (MIN_STEPS_IN_PERIOD * pole):.2g}"
             )
 
 
 class _Trial(NamedTuple):
-    """Of the first steps: their number, the time of all steps of the run [s], the validity."""
+    """A trial of the first steps: their number, the estimated time of the run [s], validity."""
 
     steps: int
     seconds: float
@@ -258,17 +258,22 @@ class _Trial(NamedTuple):
 
 def _try(initial: InitialState) -> _Trial:
     """Take the first steps. The time is theirs, with the growth of the history."""
-    lowered, judge = initial.lowered, Judge(initial.lowered)
+    lowered, monitor = initial.lowered, ValidityMonitor(initial.lowered)
     begin = int(initial.state.step[0])
-    n = min(TRIAL * lowered.ratio, lowered.n_steps - begin)
+    # Counted in short steps, of which a long one has `ratio`.
+    n = min(TRIAL_STEPS * lowered.ratio, lowered.n_steps - begin)
     if n == 0:
-        return _Trial(0, 0.0, judge.validity(initial.state, 0))
+        return _Trial(0, 0.0, monitor.validity(initial.state, 0))
     writer = make_writer(None, initial, n)
     started = time.perf_counter()
-    march(Course(initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n))
+    integrate(
+        PreparedRun(
+            initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n
+        )
+    )
     measured = (time.perf_counter() - started) / n
     seconds = (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
-    return _Trial(n // lowered.ratio, seconds, judge.validity(initial.state, n))
+    return _Trial(n // lowered.ratio, seconds, monitor.validity(initial.state, n))
 
 
 def _history_cost(lowered: LoweredModel) -> float:

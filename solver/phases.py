@@ -21,12 +21,12 @@ from .step.contacts import approaches
 from .step.loop import OTHER_SIZE, advance
 from .step.system import Inputs, Output, Run, State, System, Workspace
 
-FEWEST = 16
-"""steps for which inputs are made at once"""
-RESOLVED = 8
-"""long steps between two corners of a load, from which on they may be taken there"""
-ROUNDING = 1e-9
-"""of a number of steps"""
+# Calls of Python for fewer steps would cost more than the steps.
+MIN_STEPS_AT_ONCE = 16
+# between two corners of a load, from which on they may be taken in long steps
+CORNER_LONG_STEPS = 8
+# of a number of steps: times are decimal numbers, divided by a rounded step
+STEP_COUNT_ROUNDING = 1e-9
 
 
 class Phases:
@@ -39,7 +39,7 @@ class Phases:
         self._live = carried(state=state, work=work)
         systems = (lowered.system, lowered.flight or lowered.system)
         self._runs = [Run(system=s, state=state, work=work, output=output) for s in systems]
-        self._most = [FEWEST, FEWEST]
+        self._most = [MIN_STEPS_AT_ONCE, MIN_STEPS_AT_ONCE]
         self._refused = -1
         """the step after which a long one was taken back"""
         self._before_flight: Snapshot | None = None
@@ -58,6 +58,7 @@ class Phases:
         if self._lowered.flight is None:
             return 1, n
         stride = self._lowered.ratio
+        # Long steps only where a whole number of them fits before what is due.
         steps = min(n // stride, self._steps_of_flight(int(self._state.step[0])))
         in_flight = int(steps > 0)
         if in_flight != self._state.in_flight[0]:
@@ -76,10 +77,13 @@ class Phases:
             taken, residual = advance(self._runs[0], inputs)
             return taken, residual, taken < len(inputs.load)
         in_flight = int(self._state.in_flight[0])
+        # A contact that closes in a long step is found after it: the step must be taken back.
         before = Snapshot.of(0, self._live) if in_flight else None
         taken, residual = advance(self._runs[in_flight], inputs)
         failed = taken < len(inputs.load) and residual != OTHER_SIZE
-        self._most[in_flight] = max(FEWEST, 2 * taken)
+        # Copies of the state and inputs that are not used cost as much as steps: batches grow with
+        # success.
+        self._most[in_flight] = max(MIN_STEPS_AT_ONCE, 2 * taken)
         if failed and before is not None:
             self._take_back(before, inputs, taken)
             self._refused, failed = int(self._state.step[0]), False
@@ -89,6 +93,7 @@ class Phases:
 
     def _take_back(self, before: Snapshot, inputs: Inputs, taken: int) -> None:
         """The state after the long steps that hold; before all, what it was with short ones."""
+        # Where no long step held, the change to long steps is undone too: it alters a.
         (before if taken else self._before_flight or before).put_back(self._live)
         if taken:
             advance(self._runs[1], _first(inputs, taken))
@@ -96,6 +101,8 @@ class Phases:
     def _steps_of_flight(self, step: int) -> int:
         """Long steps that may follow a step before a load jumps, unless a contact closes first."""
         lowered = self._lowered
+        # Long steps lie on multiples of their length, where outputs of runs without contacts have
+        # theirs.
         if step % lowered.ratio or step == self._refused:
             return 0
         starts, ends = self._pulses
@@ -108,7 +115,7 @@ class Phases:
         ahead = self._jumps[self._jumps > step - 1.0]
         if not len(ahead):
             return lowered.n_steps
-        return int(max((ahead[0] - 1.0 - step) / lowered.ratio + ROUNDING, 0.0))
+        return int(max((ahead[0] - 1.0 - step) / lowered.ratio + STEP_COUNT_ROUNDING, 0.0))
 
 
 def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
@@ -121,7 +128,8 @@ def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
         corners = sorted(corners_of(signal))
         if len(corners) > len(jumps_of(signal)):
             spans += list(pairwise(corners))
-    near = [(a, b) for a, b in spans if b - a < RESOLVED * lowered.longest_step]
+    # A span of few long steps would be sampled too coarsely for its area.
+    near = [(a, b) for a, b in spans if b - a < CORNER_LONG_STEPS * lowered.longest_step]
     return np.array(near, dtype=np.float64).reshape(-1, 2).T / lowered.h
 
 

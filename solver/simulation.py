@@ -47,7 +47,7 @@ from .output.keeper import (
 )
 from .output.passages import check_passages
 from .output.recorder import NO_ENERGIES, Recorder
-from .output.validity import Judge, check_range, torn
+from .output.validity import ValidityMonitor, check_range, interface_out_of_range
 from .output.writer import (
     check_output,
     make_writer,
@@ -56,8 +56,8 @@ from .output.writer import (
     resume_writer,
 )
 from .phases import Phases
-from .plausibility import severe_doubts
-from .schema.entry import LARGEST
+from .plausibility import severe_warnings
+from .schema.entry import LARGEST_NUMBER
 from .signals.signal import values_of
 from .start.initial import InitialState, initialize, lower_to_start
 from .start.removed import RemovedRows
@@ -76,6 +76,7 @@ def simulate(
     output: str | os.PathLike[str] | None = None,
     progress: bool = False,
     resume: bool = False,
+    force: bool = False,
     anyway: bool = False,
 ) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
@@ -83,8 +84,8 @@ def simulate(
     settings: by default those of the model; output: the results file, by default none (results stay
     in memory); progress: tell on stderr how far it is, by a bar or by lines. resume: go on with the
     last run to that file, from the state that it kept (`Settings.checkpoint`): the results are to
-    the bit those of a run that was never interrupted; t_end may be another. anyway: also where
-    model, versions or machine are not those of that run.
+    the bit those of a run that was never interrupted; t_end may be another. force: also where
+    model, versions or machine are not those of that run; its former name is `anyway`.
 
     Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
     ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
@@ -102,7 +103,7 @@ def simulate(
         return _run(model, path, progress)
     if path is None:
         raise StateError("resume: expected the file of the results as output, got none")
-    return _resume(model, path, progress, anyway)
+    return _resume(model, path, progress, force or anyway)
 
 
 def start(model: Model) -> Results:
@@ -118,55 +119,63 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         check_output(output, model)
     with about(model.path), one_blas_thread():
         lowered, source = lower_to_start(model)
+        # Compilation takes many seconds: all that can be refused is refused before.
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered, source)
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
+        # The stack level is that of the caller of `simulate`.
         _warn(start_warnings(initial), stacklevel=4)
         writer = make_writer(output, initial, total)
+        # A state beside the new file would be taken for that of the new run.
         forget_checkpoint(writer)
-    course = Course(initial.lowered, initial.state, initial.work, initial.removed, writer, total)
-    return _finish(course, progress)
+    prepared = PreparedRun(
+        initial.lowered, initial.state, initial.work, initial.removed, writer, total
+    )
+    return _finish(prepared, progress)
 
 
-def _resume(model: Model, output: Path, progress: bool, anyway: bool) -> Results:
+def _resume(model: Model, output: Path, progress: bool, force: bool) -> Results:
     """Go on with a run from the state that it kept."""
     check_output(output, model)
     kept = read_checkpoint(output)
     identity, step = kept.identity, kept.snapshot.step
     with about(model.path), one_blas_thread():
-        if not anyway:
+        if not force:
             identity.check_model(model)
         lowered = lower(model, frozenset(kept.without), identity.horizon)
-        if not anyway:
+        if not force:
             identity.check_system(lowered)
         recorded = (
             step % recorded_every(kept.snapshot, lowered) == 0 or step == identity.horizon.steps
         )
+        # At the very time of the state there is nothing to do, unless its row has been recorded as
+        # the last.
         if lowered.n_steps < step or (lowered.n_steps == step and not recorded):
             of_state = f"the time of the state, {step * lowered.h:.9g} s"
             least = f"{of_state}, or more" if recorded else f"more than {of_state}"
             raise ModelError(f"simulation: t_end: expected {least}, got {model.settings.t_end:.9g}")
         state, work = allocate(lowered)
         kept.snapshot.put_back(carried(state=state, work=work))
+        # Rows that were left out are checked in the model that has all of them.
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
         writer = resume_writer(output, lowered, kept)
-    course = Course(lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept))
-    return _finish(course, progress)
+    prepared = PreparedRun(
+        lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept)
+    )
+    return _finish(prepared, progress)
 
 
 def start_warnings(initial: InitialState) -> Iterator[str]:
     """Lines about a model at its start: how it begins, what looks wrong, what steps miss of it."""
-    model = initial.lowered.model
-    file = f"{model.path}: " if model.path else ""
     yield from initial.warnings
-    yield from (f"{file}{doubt}" for doubt in severe_doubts(model))
+    yield from severe_warnings(initial.lowered.model)
     yield from signal_warnings(initial.lowered)
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
-    """A run up to a step, from its start, or `resumed`.
+class PreparedRun:
+    """A run that is ready to be integrated up to a step, from its start, or `resumed`.
 
     first, start: the step and the energies at the start of a run that is resumed.
     """
@@ -193,30 +202,31 @@ class Course:
         return self.first if self.resumed else int(self.state.step[0])
 
 
-def _finish(course: Course, progress: bool) -> Results:
-    writer, started = course.writer, time.perf_counter()
+def _finish(prepared: PreparedRun, progress: bool) -> Results:
+    writer, started = prepared.writer, time.perf_counter()
     try:
-        march(course, progress)
-        taken = int(course.state.taken[0])
+        integrate(prepared, progress)
+        taken = int(prepared.state.taken[0])
         writer.note(finished=True, seconds=time.perf_counter() - started, steps=taken)
         settle_checkpoint(writer)
         writer.finish()
     except (ConvergenceError, MissedContactError, ModelError, OutOfRangeError) as error:
+        # Where the rows before the failure are, is known here alone.
         error.args = (f"{error}{writer.where()}",)
         raise
     except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(f"interrupted {_left(course)}") from interrupt
+        raise KeyboardInterrupt(f"interrupted {_left(prepared)}") from interrupt
     finally:
         writer.leave()
-    results = read_back(writer, course.lowered.model)
+    results = read_back(writer, prepared.lowered.model)
     _warn(results.validity.brief(), stacklevel=5)
     return results
 
 
-def _left(course: Course) -> str:
+def _left(prepared: PreparedRun) -> str:
     """Where a run stopped before its end, and what is left of it."""
-    lowered, writer = course.lowered, course.writer
-    t, t_end = int(course.state.step[0]) * lowered.h, lowered.model.settings.t_end
+    lowered, writer = prepared.lowered, prepared.writer
+    t, t_end = int(prepared.state.step[0]) * lowered.h, lowered.model.settings.t_end
     stopped = f"at t = {t:.6g} s of {t_end:.6g} s"
     if not isinstance(writer, FileWriter) or not writer.place.exists():
         return f"{stopped}; nothing is kept"
@@ -232,28 +242,29 @@ def _warn(lines: Iterable[str], stacklevel: int) -> None:
         warnings.warn(line, ValidityWarning, stacklevel=stacklevel)
 
 
-def march(course: Course, progress: bool = False) -> None:
+def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
-    lowered, state, work, total = course.lowered, course.state, course.work, course.total
-    begin, done, batch = course.begin(), int(state.step[0]), 16 * lowered.ratio
-    writer = course.writer
+    lowered, state, work, total = prepared.lowered, prepared.state, prepared.work, prepared.total
+    # A batch begins small, and doubles until the loop runs for BATCH_SECONDS.
+    begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
+    writer = prepared.writer
     branches = Branches(lowered)
-    judge, convolution = Judge(lowered), DyadicConvolution(lowered.system.elastic)
+    monitor, convolution = ValidityMonitor(lowered), DyadicConvolution(lowered.system.elastic)
     with (
-        course.keeper() as keeper,
-        Recorder(writer, lowered, state, work, course.start) as recorder,
-        _judged(course, begin, judge),
+        prepared.keeper() as keeper,
+        Recorder(writer, lowered, state, work, prepared.start) as recorder,
+        _validity_written_at_end(prepared, begin, monitor),
         Progress(Work("simulating", total), shown=progress) as shown,
     ):
         phases = Phases(lowered, state, work, recorder.output)
-        if not course.resumed:
+        if not prepared.resumed:
             run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
             record(run, 0)
-            writer.check(judge.values(state, done - begin))
+            writer.check(monitor.values(state, done - begin))
             recorder.keep_start(done)
         shown.advance(done, free=True)
         keeper.step_taken(done, recorder)
-        judged = time.perf_counter()
+        checked = time.perf_counter()
         while done < total:
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
@@ -262,19 +273,23 @@ def march(course: Course, progress: bool = False) -> None:
             rows = recorder.rows(steps, stride)
             taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
             check_passages(lowered, state, work, done + stride * taken)
+            # The loop returns early when its list of events is full: no failure.
             full = is_full(state.contacts)  # of events, which the recorder takes
-            if time.perf_counter() - judged > writer.pause:
-                writer.check(judge.values(state, done + stride * taken - begin))
-                judged = time.perf_counter()
+            # Checks read extremes of all bodies: not in every batch.
+            if time.perf_counter() - checked > writer.pause:
+                writer.check(monitor.values(state, done + stride * taken - begin))
+                checked = time.perf_counter()
             recorder.keep(steps[:taken], rows[:taken], stride)
             done += stride * taken
             shown.advance(stride * taken)
+            # In this order: a body out of range is a better cause of a failure than the residual.
             check_range(lowered, state, done)
             branches.check(work, done)
             if failed and not full:
-                cause = judge.cause(state, done - begin)
+                cause = monitor.cause(state, done - begin)
                 raise failure(lowered, state, work, done + 1, residual, cause)
-            course.removed.check(work, done * lowered.h)
+            prepared.removed.check(work, done * lowered.h)
+            # After all checks: a state that is taken back must not have convolved its loads.
             convolution.update(state)
             keeper.step_taken(done, recorder)
             if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
@@ -282,13 +297,15 @@ def march(course: Course, progress: bool = False) -> None:
 
 
 @contextmanager
-def _judged(course: Course, begin: int, judge: Judge) -> Iterator[None]:
+def _validity_written_at_end(
+    prepared: PreparedRun, begin: int, monitor: ValidityMonitor
+) -> Iterator[None]:
     """The validity of a run is written when it ends, in whatever way."""
     try:
         yield
     finally:
-        taken = int(course.state.step[0]) - begin
-        course.writer.check(judge.values(course.state, taken))
+        taken = int(prepared.state.step[0]) - begin
+        prepared.writer.check(monitor.values(prepared.state, taken))
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:
@@ -297,9 +314,9 @@ def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> 
     """
     n = len(rows)
     t = lowered.h * np.arange(first, first + stride * n, stride, dtype=np.float64)
-    load = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
+    load = [nan_if_overflowing(signal.samples(t, lowered.h)) for signal in lowered.load_signals]
     drive = [values_of(signal, t) for signal in lowered.drives]
-    motor = [_bearable(signal.samples(t, lowered.h)) for signal in lowered.motor_signals]
+    motor = [nan_if_overflowing(signal.samples(t, lowered.h)) for signal in lowered.motor_signals]
     return Inputs(
         load=_columns(load, n),
         drive=_columns(drive, n),
@@ -313,9 +330,9 @@ def _columns(samples: list[Array], n: int) -> Array:
     return np.array(samples).reshape(len(samples), n).T.copy()
 
 
-def _bearable(samples: Array) -> Array:
+def nan_if_overflowing(samples: Array) -> Array:
     """Samples in which what would overflow is no number, which stops the step that meets it."""
-    return np.where(np.abs(samples) <= LARGEST, samples, np.nan)
+    return np.where(np.abs(samples) <= LARGEST_NUMBER, samples, np.nan)
 
 
 def failure(
@@ -323,7 +340,8 @@ def failure(
 ) -> ConvergenceError:
     """The error of a step in which Newton's method failed; cause: where one is known already."""
     # before the next puts the state back
-    worst, far = _worst_joint(lowered, work), torn(lowered, state)
+    # Before `likely_cause`, which puts the state back to the last good step.
+    worst, far = _worst_joint(lowered, work), interface_out_of_range(lowered, state)
     cause = cause or likely_cause(lowered, state, work, step * lowered.h) or far
     return ConvergenceError(
         step,

@@ -17,7 +17,7 @@ from ..results.results import Results
 from ..results.validity import Validity
 from .arrays import Array
 from .checkpoint.carried import Snapshot, carried
-from .checkpoint.moment import Moment
+from .checkpoint.saved_state import SavedState
 from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
 from .lower.allocation import make_output
@@ -28,7 +28,7 @@ from .output.columns import axes_of, check_names, views
 from .output.events import waiting
 from .output.passages import check_passages
 from .output.recording import Recording
-from .output.validity import Judge, check_range
+from .output.validity import ValidityMonitor, check_range
 from .output.writer import check_output
 from .signals.curves import Input
 from .simulation import failure, signals, start_warnings
@@ -37,17 +37,17 @@ from .step.loop import advance
 from .step.record import record
 from .step.system import Inputs, Run
 
-AHEAD = 256
-"""steps for which the signals that are not inputs are sampled at once, and between checks"""
-SHORTEST = 2
-"""steps of a swing of an input: for `AHEAD` steps white noise does not swing so fast by chance"""
+# Signals that are no inputs are sampled at once for so many steps, and inputs are checked as often.
+STEPS_AHEAD = 256
+# For `STEPS_AHEAD` steps white noise does not swing so fast by chance.
+MIN_SWING_STEPS = 2
 ENOUGH_STEPS = 128
 """steps for which that is as good as sure, at the end of a run"""
 LAST, GROWTH = 8, 10.0
 """of the last steps before a failure, in which swings of an input grew by more than this factor"""
-CALM = 1e-6
-"""of the largest value of an input, below which its swings are none"""
-PAST = "past/"
+# of the largest value of an input
+NEGLIGIBLE_SWING = 1e-6
+PAST_PREFIX = "past/"
 """names of the arrays of the convolution begin with it"""
 
 
@@ -101,6 +101,7 @@ class Simulator:
             check_output(path, model)
         with about(model.path), one_blas_thread():
             lowered, source = lower_to_start(model)
+            # Inputs of one step at a time cannot be taken back.
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
@@ -151,9 +152,11 @@ class Simulator:
         self._begin, self._output, self._has_ended = self._number, output, False
         self._branches, self._has_warned = Branches(lowered), False
         self._chattering: set[str] = set()
-        self._told: deque[tuple[float, ...]] = deque(maxlen=AHEAD)
+        self._told: deque[tuple[float, ...]] = deque(maxlen=STEPS_AHEAD)
         record(self._run, 0)
         self._start = Energies.of(output)
+        # No steps, but `ahead`: the free response of the first step is made before its inputs are
+        # known.
         none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
         advance(self._run, none)
         self._gather()
@@ -196,17 +199,20 @@ class Simulator:
         self._told.append(tuple(inputs))
         # a kernel ends with the run
         last = number == self._n_steps
+        # The last step prepares none: a kernel ends with the run.
         taken, residual = advance(self._run, self._last if last else self._next)
         check_passages(self._lowered, self._state, self._work, number - 1)
         check_range(self._lowered, self._state, number)
         if not taken:
-            cause = self._growing_input() or Judge(self._lowered).cause(self._state, number - 1)
+            cause = self._growing_input() or ValidityMonitor(self._lowered).cause(
+                self._state, number - 1
+            )
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
         self._branches.check(self._work, number)
-        if last or number % AHEAD == 0:
+        if last or number % STEPS_AHEAD == 0:
             self._removed.check(self._work, self.time)
-            self._check_inputs(AHEAD)
+            self._check_inputs(STEPS_AHEAD)
         self._convolution.update(self._state)
         if last:
             self._warn_of_limits()
@@ -221,7 +227,7 @@ class Simulator:
     @property
     def validity(self) -> Validity:
         """How far the steps until now can be trusted, as that of results."""
-        return Judge(self._lowered).validity(self._state, self._number - self._begin)
+        return ValidityMonitor(self._lowered).validity(self._state, self._number - self._begin)
 
     def finish(self) -> Results:
         """End the results file, at t_end or before, and open it; there are no further steps."""
@@ -247,13 +253,14 @@ class Simulator:
         else:
             self._warn_of_limits()
 
-    def save(self) -> Moment:
+    def save(self) -> SavedState:
         """The present state, to go back to."""
         arrays = {name: array.copy() for name, array in self._live.items()}
-        past = {f"{PAST}{name}": array for name, array in self._convolution.saved().items()}
-        return Moment(Snapshot(self._number, arrays | past), self._lowered)
+        # Two namespaces in one dictionary of a snapshot: arrays of the loop and of the convolution.
+        past = {f"{PAST_PREFIX}{name}": array for name, array in self._convolution.saved().items()}
+        return SavedState(Snapshot(self._number, arrays | past), self._lowered)
 
-    def restore(self, moment: Moment) -> Array:
+    def restore(self, state: SavedState) -> Array:
         """Go back, or forth, to a state that was saved; return the outputs there.
 
         All that follows is then to the bit what followed when it was saved. `StateError` for a
@@ -261,10 +268,11 @@ class Simulator:
         """
         if self._recording is not None:
             raise ModelError("restore: expected a Simulator without a results file")
-        moment.check(self._lowered)
-        number, arrays = moment.snapshot
-        own = {name: array for name, array in arrays.items() if not name.startswith(PAST)}
-        past = {name.removeprefix(PAST): arrays[name] for name in arrays.keys() - own.keys()}
+        state.check(self._lowered)
+        number, arrays = state.snapshot
+        own = {name: array for name, array in arrays.items() if not name.startswith(PAST_PREFIX)}
+        past = {name.removeprefix(PAST_PREFIX): arrays[name] for name in arrays.keys() - own.keys()}
+        # Into the arrays that compiled code points to: these are never replaced.
         Snapshot(number, own).put_back(self._live)
         self._convolution.load(number, past)
         self._number, self._has_warned = number, False
@@ -285,7 +293,7 @@ class Simulator:
                 self._chattering.add(name)
                 line = (
                     f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
-                    f"every {SHORTEST} steps or sooner, by {np.ptp(values[-8:]):.3g}, for "
+                    f"every {MIN_SWING_STEPS} steps or sooner, by {np.ptp(values[-8:]):.3g}, for "
                     f"{len(values)} steps: take smaller gains of its controller, or a smaller step"
                 )
                 warnings.warn(line, ValidityWarning, stacklevel=3)
@@ -308,10 +316,11 @@ class Simulator:
 
     def _set_signals(self, number: int) -> None:
         """Sample the signals of step `number` that are not inputs, for many steps at once."""
-        k = (number - 1) % AHEAD
+        k = (number - 1) % STEPS_AHEAD
         first = number - k
+        # After `restore` the number may lie in another block.
         if first != self._sampled_from:
-            n = min(AHEAD, self._n_steps - first + 1)
+            n = min(STEPS_AHEAD, self._n_steps - first + 1)
             self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
             self._sampled_from = first
         self._load[:] = self._sampled.load[k]
@@ -320,14 +329,16 @@ class Simulator:
 
 
 def _chatters(values: Array) -> bool:
-    """Whether an input (n,) goes up and down every `SHORTEST` steps, or sooner, without calming."""
+    """Whether an input (n,) keeps going up and down every `MIN_SWING_STEPS` steps, or sooner."""
     changes = np.diff(values)
     moving = np.flatnonzero(changes)
+    # Steps without a change are passed over: held inputs chatter too.
     turns = moving[1:][np.diff(np.sign(changes[moving])) != 0.0]
-    if not len(turns) or np.diff(turns).max(initial=0) > SHORTEST:
+    if not len(turns) or np.diff(turns).max(initial=0) > MIN_SWING_STEPS:
         return False
-    if max(turns[0], len(changes) - turns[-1]) > 2 * SHORTEST:
+    # It must chatter from the beginning of the window to its end.
+    if max(turns[0], len(changes) - turns[-1]) > 2 * MIN_SWING_STEPS:
         return False
     sizes = np.abs(changes)
     first, last = sizes[: len(sizes) // 4].max(), sizes[-len(sizes) // 4 :].max()
-    return bool(last > max(0.5 * first, CALM * np.abs(values).max()))
+    return bool(last > max(0.5 * first, NEGLIGIBLE_SWING * np.abs(values).max()))

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from duhamel.cli.projects import schema_of
+from duhamel.cli.commands.schema import schema_of
 
 FOLDER = Path(__file__).resolve().parents[1] / "schemas"
 

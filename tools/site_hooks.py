@@ -121,8 +121,9 @@ def commands() -> str:
     from duhamel.cli import app
     from typer.main import get_command
 
-    group = get_command(app)
-    return "\n\n".join(_command(name, command) for name, command in group.commands.items())
+    group: Any = get_command(app)
+    names = group.list_commands(None)
+    return "\n\n".join(_command(name, group.get_command(None, name)) for name in names)
 
 
 def _command(name: str, command: Any) -> str:

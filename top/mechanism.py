@@ -1,13 +1,14 @@
 """Mechanisms: bodies and what is between them, built step by step by handles."""
 
 import os
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-from duhamel import solver, superelement
+from duhamel import solver, superelement, view
 from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
 from duhamel.solver.model.bodies import Body, Place, Start
 from duhamel.solver.model.model import numbered
@@ -16,6 +17,7 @@ from duhamel.superelement import Superelement
 from numpy.typing import ArrayLike
 
 from .parts import Part
+from .pictures import embedded
 from .quantities import quantity_of
 from .runs import Run
 
@@ -375,8 +377,29 @@ class Mechanism:
         self.bodies = bodies
         solver.write_model(replace(model, bodies=bodies), path)
 
+    def draw(self, path: str | os.PathLike[str], **options: Any) -> Path:
+        """Draw the mechanism at its start, as .png.
+
+        Parameters
+        ----------
+        path
+        **options
+            Those of `duhamel.view.animate`: field, size, view, marks, title.
+        """
+        view.animate(solver.start(self.model()), path, at=0.0, **({"field": "none"} | options))
+        return Path(path)
+
     def _repr_html_(self) -> str:
-        return self.model()._repr_html_() if self.bodies else "<p>Mechanism without bodies</p>"
+        """Its table, below a picture of its start where PyVista is installed and it can start."""
+        if not self.bodies:
+            return "<p>Mechanism without bodies</p>"
+        table = self.model()._repr_html_()
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                png = self.draw(Path(folder) / "start.png", size=(960, 540)).read_bytes()
+            except (view.PictureError, solver.ModelError):
+                return table
+        return embedded(png) + table
 
     def _settings(
         self, t_end: float | None, step: float | None, more: dict[str, Any]

@@ -1,5 +1,6 @@
 """Elastic parts: a mesh with materials or sections and interfaces, which becomes a superelement."""
 
+import html
 import math
 import os
 import warnings
@@ -8,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-from duhamel import preprocess
+from duhamel import preprocess, view
 from duhamel.inputs import InputError, Table, quoted, read_part
 from duhamel.preprocess.body.body import Method, PointMass, SolverName
 from duhamel.preprocess.body.damping import Damping
@@ -20,6 +21,7 @@ from duhamel.preprocess.mesh.in_memory import mesh_of
 from duhamel.superelement import Superelement
 from numpy.typing import ArrayLike
 
+from .pictures import Picture, embedded
 from .selections import selection_of
 from .vectors import vector
 
@@ -393,6 +395,23 @@ class Part:
         for doubt in told:
             warnings.warn(f"{self.name}: {doubt}", preprocess.PlausibilityWarning, stacklevel=2)
         return built
+
+    def draw(self, step: float = 1e-5) -> Picture:
+        """Draw the part with its interfaces, masses and sensors, as the dry run does.
+
+        Parameters
+        ----------
+        step : float [s]
+            That of its impulse responses, as far as it is not known.
+        """
+        from duhamel.cli.survey import scene
+        from duhamel.preprocess.survey import survey
+
+        known = "impulse" in self._table
+        return Picture(view.draw_scene(scene(survey(self.body(None if known else step)))))
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(repr(self))}</p>{embedded(self.draw()._repr_png_())}"
 
     def write(
         self, path: str | os.PathLike[str], step: float | None = None, duration: float | None = None

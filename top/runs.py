@@ -1,9 +1,7 @@
 """Runs: the motion of a mechanism, its parts by name, and pictures, films and reports of it."""
 
-import io
 import os
 from collections.abc import Callable, Collection, Sequence
-from pathlib import Path
 from typing import Any, Self
 
 from duhamel import view
@@ -11,27 +9,9 @@ from duhamel.results import QuantityError, Results
 from duhamel.results.peaks import Peak, peaks
 from duhamel.results.validity import Validity
 from duhamel.superelement.validation import Array
-from matplotlib.figure import Figure
 
+from .pictures import Picture
 from .quantities import quantity_of
-
-
-class Picture:
-    """A picture, which notebooks show: `picture.save("bar.png")`."""
-
-    def __init__(self, figure: Figure) -> None:
-        self.figure = figure
-        """the figure of matplotlib, to change what one likes"""
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write it in the format of the suffix: .png, .pdf, .svg; `PictureError` if it cannot."""
-        view.save(self.figure, path)
-        return Path(path)
-
-    def _repr_png_(self) -> bytes:
-        image = io.BytesIO()
-        self.figure.savefig(image, format="png", dpi=100)
-        return image.getvalue()
 
 
 class Run:

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from ..results import QuantityError, Results
 from ..results.transforms import Window
 from ..results.wildcards import WILDCARD_STAR, matching
-from .field_kinds import FIELDS, WORST
+from .field_kinds import FIELDS, WORST, scale_of
 from .fields import Field, draw_fields
-from .picture import entitle
+from .picture import add_room, entitle
 from .prefixes import PREFIXES, exponent_of
 from .scene import Marker, Scene
 from .worst import worst_time
@@ -52,12 +52,11 @@ def draw_body_fields(
     first = int(np.argmax(peaks))
     body, surface, peak = chosen.bodies[first], surfaces[first], peaks[first]
     k = int(surface.values.argmax())
-    name, unit = FIELDS[chosen.kind]
-    exponent = exponent_of(peak, unit)
-    value = f"{peak / 10.0**exponent:.4g} {PREFIXES[exponent]}{unit}"
+    scale = scale_of(chosen.kind, peak)
+    value = scale.text(4)
     mark = Marker(value, surface.points[k], has_axes=False)
-    label = f"{name} [{PREFIXES[exponent]}{unit}]"
-    figure = draw_fields(surfaces, label, 10.0**-exponent, Scene(markers=[mark]))
+    label = f"{scale.words} [{scale.unit}]"
+    figure = draw_fields(surfaces, label, 1.0 / scale.factor, Scene(markers=[mark]))
     power = exponent_of(chosen.time)
     when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
     line = f"{body} at {when}: {value} at {results.place(body, k)}"
@@ -111,14 +110,10 @@ def _surface(results: Results, chosen: Chosen, body: str) -> Field:
 
 def _head(figure: Figure, title: str, line: str) -> None:
     """Text above the views, for which the figure grows."""
-    wide, high = figure.get_size_inches()
-    for axes in figure.axes:
-        x, y, width, height = axes.get_position().bounds
-        share = high / (high + HEADER)
-        axes.set_position((x, y * share, width, height * share))
-    figure.set_size_inches(wide, high + HEADER)
+    add_room(figure, above=HEADER)
+    _, high = figure.get_size_inches()
     heading = entitle(figure, title or line)
-    heading.set(y=1.0 - 0.1 / (high + HEADER), va="top")
+    heading.set(y=1.0 - 0.1 / high, va="top")
     if title:
-        below = 1.0 - 0.32 / (high + HEADER)
+        below = 1.0 - 0.32 / high
         figure.text(0.01, below, line, ha="left", va="top", fontsize=9, parse_math=False)

@@ -1,4 +1,12 @@
-"""The fields of bodies that pictures, films and reports show."""
+"""The fields of bodies that pictures, films and reports show, and their colors."""
+
+from dataclasses import dataclass
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
+
+from .prefixes import PREFIXES, exponent_of
 
 FIELDS = {
     "displacement": ("elastic displacement", "m"),
@@ -6,5 +14,33 @@ FIELDS = {
     "von_mises": ("von Mises stress", "Pa"),
 }
 """their names and units"""
+COLOR_MAP = LinearSegmentedColormap.from_list(
+    "field", matplotlib.colormaps["turbo"](np.linspace(0.07, 0.98, 256))
+)
+"""turbo without its darkest ends, which light and shade would make black"""
 WORST = "worst"
 """the time at which a field is largest"""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The scale of the colors of a field, from 0 to its largest value.
+
+    unit: in which its numbers are easy to read; factor: of that unit.
+    """
+
+    words: str
+    unit: str
+    factor: float
+    largest: float
+
+    def text(self, digits: int) -> str:
+        """The largest value with its unit."""
+        return f"{self.largest / self.factor:.{digits}g} {self.unit}"
+
+
+def scale_of(field: str, largest: float) -> Scale:
+    """The scale of a field of `FIELDS` up to a value in its own unit."""
+    words, unit = FIELDS[field]
+    exponent = exponent_of(largest, unit)
+    return Scale(words, f"{PREFIXES[exponent]}{unit}", 10.0**exponent, largest)

@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import matplotlib
 import numpy as np
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from ..superelement.cells import TRIANGLES_OF_FACET, triangles
+from ..superelement.cells import TRIANGLES_OF_FACET, IntArray, triangles
 from ..superelement.validation import Array
-from .picture import style
-from .scene import IntArray, Marker, Patch, Scene, draw_scene
+from .field_kinds import COLOR_MAP
+from .picture import add_room, style
+from .scene import Marker, Patch, Scene, draw_scene
 
-COLOR_MAP = "turbo"
 BAR = (3.2, 0.11)
 """length and height of the bar of colors [inch]"""
 MARGINS = (0.25, 0.6)
@@ -44,28 +43,22 @@ def draw_fields(
     with them.
     """
     largest = scale * max(float(field.values.max()) for field in fields)
-    norm, color_map = Normalize(0.0, largest or 1.0), matplotlib.colormaps[COLOR_MAP]
+    norm = Normalize(0.0, largest or 1.0)
     patches = [*(scene.patches if scene else ())]
     for field in fields:
         facets, values = _triangles(field)
         numbers = _touching(facets, scene.markers if scene else ())
-        patches.append(Patch(facets, numbers, color_map(norm(scale * values))[:, :3]))
+        patches.append(Patch(facets, numbers, COLOR_MAP(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
-    (length, height), (below, added) = BAR, MARGINS
+    (length, height), (bottom, below) = BAR, MARGINS
+    add_room(figure, below=below)
     wide, high = figure.get_size_inches()
-    for axes in figure.axes:
-        x, y, width, share = axes.get_position().bounds
-        axes.set_position(
-            (x, (y * high + added) / (high + added), width, share * high / (high + added))
-        )
-    figure.set_size_inches(wide, high + added)
-    high += added
     with style():
         axes = figure.add_axes(
-            (0.5 - 0.5 * length / wide, below / high, length / wide, height / high)
+            (0.5 - 0.5 * length / wide, bottom / high, length / wide, height / high)
         )
-        bar = Colorbar(axes, cmap=color_map, norm=norm, orientation="horizontal")
+        bar = Colorbar(axes, cmap=COLOR_MAP, norm=norm, orientation="horizontal")
         bar.outline.set_visible(False)
         axes.set_title(label, fontsize=8)
         axes.tick_params(labelsize=8, length=2)

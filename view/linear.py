@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
+from .camera import ISO, UP, axes_towards
 from .picture import PANEL_HEIGHT, WIDTH, entitle, panels, style
 from .styles import COLORS
 
-EYE = np.array([1.0, -1.35, 0.8])
-"""direction towards the eye"""
 SWING = 0.15
 """the largest motion of a shape, relative to the size of the mechanism"""
 NOTHING = 1e-12
@@ -142,7 +141,7 @@ class ModeShape:
 def draw_shapes(shapes: Sequence[ModeShape], title: str = "") -> Figure:
     """Two modes a row: the mechanism as it is in gray, and moved by each mode."""
     figure, axes = panels(-(-len(shapes) // 2), 2, share_time=False)
-    camera = _camera()
+    camera = axes_towards(ISO, UP)[:2]
     with style():
         for axis, shape in zip(axes, shapes, strict=False):
             _draw_shape(axis, shape, camera)
@@ -174,11 +173,3 @@ def _draw_shape(axes: Axes, shape: ModeShape, camera: Array) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_axis_off()
     axes.set_title(shape.title, parse_math=False)
-
-
-def _camera() -> Array:
-    """Right and up, across the line of sight (2, 3)."""
-    toward = EYE / np.linalg.norm(EYE)
-    right = np.cross([0.0, 0.0, 1.0], toward)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(toward, right)])

@@ -108,6 +108,16 @@ def entitle(figure: Figure, title: str) -> Text:
     return figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
 
 
+def add_room(figure: Figure, above: float = 0.0, below: float = 0.0) -> None:
+    """Make a figure of drawn axes higher, with empty room above and below them [inch]."""
+    wide, high = figure.get_size_inches()
+    whole = high + above + below
+    for axes in figure.axes:
+        x, y, width, height = axes.get_position().bounds
+        axes.set_position((x, (y * high + below) / whole, width, height * high / whole))
+    figure.set_size_inches(wide, whole)
+
+
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
     """A panel for each list of curves, which must have one unit.   time (n,)
 

@@ -8,23 +8,24 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import hsv_to_rgb, to_rgb
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ..superelement.cells import IntArray
 from ..superelement.validation import Array
+from .camera import ISO, UP, axes_towards
 from .labels import apart
 from .picture import style
 from .styles import COLORS
 
-IntArray = NDArray[np.int64]
-
 BODY, HEAVY = (0.82, 0.84, 0.87), (0.15, 0.15, 0.15)
 """the colors of a body, and of the dots of masses"""
 AXES = (("x", "#c1272d"), ("y", "#2e8b40"), ("z", "#2456a6"))
+LEAST_SEEN = 0.1
+"""length of a direction in a picture, below which it is not drawn"""
 LIGHT = np.array([-0.35, 0.55, 0.76]) / np.linalg.norm([-0.35, 0.55, 0.76])
 """direction towards the light, in the axes of the picture: right, up, towards the eye"""
 AMBIENT = 0.68
-EYE = np.array([1.0, -1.35, 0.8])
-"""direction towards the eye; the second view is from the other side, to show every face"""
+WHITE = 0.45
+"""how much of it is in a light color"""
 WIDTH, HIGHEST, MARGIN = 9.0, 4.6, 0.3
 """of a picture, of a body in it, and around it [inch]"""
 LINE, LETTER = 0.2, 0.085
@@ -118,12 +119,19 @@ def color(number: int) -> tuple[float, float, float]:
     return red, green, blue
 
 
+def tint(number: int) -> tuple[float, float, float]:
+    """A light color for a body."""
+    red, green, blue = (WHITE + (1.0 - WHITE) * channel for channel in color(number))
+    return red, green, blue
+
+
 def draw_scene(scene: Scene) -> Figure:
     """A view of lines, or two views of surfaces from opposite sides, at one scale.
 
     A marker has its name in the view that shows more of its facets.
     """
-    cameras = [_camera(EYE), _camera(-EYE)] if scene.patches else [_camera(EYE)]
+    eyes = (ISO, -ISO) if scene.patches else (ISO,)
+    cameras = [axes_towards(eye, UP) for eye in eyes]
     marks = (*scene.markers, *scene.masses)
     shades = [*(color(i) for i in range(len(scene.markers))), *(HEAVY for _ in scene.masses)]
     where = _best_views(scene, cameras)
@@ -133,26 +141,23 @@ def draw_scene(scene: Scene) -> Figure:
         figure = Figure(figsize=tuple(views[0].size * (columns, rows)))
         for i, view in enumerate(views):
             across, down = i % columns, i // columns
-            axes = figure.add_axes(
-                (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
-            )
-            axes.set_axis_off()
-            axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
-            axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
-            _paint(axes, scene, view)
-            _axes_of_the_mesh(axes, view)
+            place = (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
+            axes = pane(figure, place, view)
+            paint(axes, scene, view)
+            draw_triad(axes, view.camera, -0.5 * view.size + 0.35, 0.22, 1.6, 8.0)
             _axes_of_sections(axes, scene.sections, view)
             shown = [n for n in range(len(marks)) if where[n] == i]
             _name(axes, [marks[n] for n in shown], [shades[n] for n in shown], view)
     return figure
 
 
-def _camera(eye: Array) -> Array:
-    """Right, up and towards the eye as rows (3, 3); z is up."""
-    towards = eye / np.linalg.norm(eye)
-    right = np.cross([0.0, 0.0, 1.0], towards)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(towards, right), towards])
+def pane(figure: Figure, place: tuple[float, float, float, float], view: View) -> Axes:
+    """The axes of a view, in inches from its middle, at a place in a figure."""
+    axes = figure.add_axes(place)
+    axes.set_axis_off()
+    axes.set_xlim(-0.5 * view.size[0], 0.5 * view.size[0])
+    axes.set_ylim(-0.5 * view.size[1], 0.5 * view.size[1])
+    return axes
 
 
 def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
@@ -208,7 +213,7 @@ def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
     return best
 
 
-def _paint(axes: Axes, scene: Scene, view: View) -> None:
+def paint(axes: Axes, scene: Scene, view: View) -> None:
     """Facets that face the eye, from the farthest to the nearest, and lines."""
     base = np.array([*(color(i) for i in range(len(scene.markers))), BODY])
     polygons: list[Array] = []
@@ -276,13 +281,21 @@ def _name(
         )
 
 
-def _axes_of_the_mesh(axes: Axes, view: View) -> None:
-    """The directions x, y, z in the lower left corner."""
-    corner = -0.5 * view.size + 0.35
-    for direction, (name, shade) in zip(view.camera[:2].T, AXES, strict=True):
-        axes.plot(*zip(corner, corner + 0.22 * direction, strict=True), color=shade, linewidth=1.6)
-        x, y = corner + 0.32 * direction
-        axes.text(x, y, name, color=shade, ha="center", va="center", fontsize=8)
+def draw_triad(
+    axes: Axes, camera: Array, at: Array, length: float, linewidth: float, fontsize: float
+) -> None:
+    """The directions x, y, z as a camera (3, 3) sees them, but for those along its line of sight.
+
+    at (2,), length: where they start and how long they are, in units of the axes.
+    """
+    for direction, (name, shade) in zip(camera[:2].T, AXES, strict=True):
+        seen = float(np.linalg.norm(direction))
+        if seen < LEAST_SEEN:
+            continue
+        tip = at + length * direction
+        axes.plot(*zip(at, tip, strict=True), color=shade, linewidth=linewidth)
+        x, y = tip + 0.32 * length * direction / seen
+        axes.text(x, y, name, color=shade, ha="center", va="center", fontsize=fontsize)
 
 
 def _axes_of_sections(axes: Axes, sections: Sequence[Cross], view: View) -> None:

@@ -36,6 +36,7 @@ class Snapshot(NamedTuple):
 
     def put_back(self, live: Arrays) -> None:
         """Let arrays have the values of these; `StateError` where the shapes do not fit."""
+        # Arrays of one side alone: the state is of another version, and all else would be a guess.
         if odd := sorted(self.arrays.keys() ^ live.keys()):
             raise StateError(f"state: expected the arrays of this version, found others: {odd[0]}")
         for name, array in live.items():
@@ -46,6 +47,7 @@ def fit(name: str, kept: Any, array: Any) -> None:
     """Copy an array that was kept; columns of steps that it has not are zero."""
     if name in BY_STEP and kept.ndim == array.ndim and len(kept) == len(array):
         n = min(kept.shape[1], array.shape[1])
+        # Columns of later steps may still have values of the run that is left.
         array[...] = 0.0
         array[:, :n] = kept[:, :n]
     elif kept.shape == array.shape and kept.dtype == array.dtype:

@@ -21,12 +21,12 @@ from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
 
-FORMAT = "duhamel-state"
-VERSION = 2
-SUFFIX = ".checkpoint"
-DIGEST = 32
-"""bytes of a SHA-256"""
-KINDS = ("f8", "i8")
+STATE_FORMAT = "duhamel-state"
+STATE_VERSION = 2
+STATE_SUFFIX = ".checkpoint"
+# of a SHA-256
+STATE_DIGEST_BYTES = 32
+ARRAY_KINDS = ("f8", "i8")
 """types of arrays; complex ones are pairs of numbers"""
 
 
@@ -52,10 +52,12 @@ class StateFile:
 
     def _image(self) -> bytes:
         text = self.identity.to_text()
+        # Made in memory: the digest is of the whole image, which then goes to the disk in one
+        # piece.
         with h5py.File("image", "w", driver="core", backing_store=False) as file:
             file.attrs.update(
-                format=FORMAT,
-                version=VERSION,
+                format=STATE_FORMAT,
+                version=STATE_VERSION,
                 created_by=f"duhamel {metadata.version('duhamel')}",
                 step=self.snapshot.step,
                 run=self.run,
@@ -76,7 +78,7 @@ def read_state(path: Path) -> StateFile:
         _check_format(file)
         text = _array(file, "identity", "u1").tobytes().decode()
         names = _names(file["arrays"])
-        arrays = {name: _array(file, f"arrays/{name}", *KINDS) for name in names}
+        arrays = {name: _array(file, f"arrays/{name}", *ARRAY_KINDS) for name in names}
         attributes = dict(file.attrs)
         return StateFile(
             Snapshot(int(attributes.pop("step")), arrays),
@@ -95,22 +97,24 @@ def _whole(path: Path) -> io.BytesIO:
     """The HDF5 file in a file of a state; `StateError` unless its digest fits."""
     require_regular(path)
     content = path.read_bytes()
-    image, digest = content[:-DIGEST], content[-DIGEST:]
+    # Checked before HDF5 sees the file, whose library may crash on damaged ones.
+    image, digest = content[:-STATE_DIGEST_BYTES], content[-STATE_DIGEST_BYTES:]
     if hashlib.sha256(image).digest() != digest:
         raise StateError("damaged, or no state: the digest at its end is not that of its contents")
     return io.BytesIO(image)
 
 
 def _check_format(file: h5py.File) -> None:
-    if (found := file.attrs.get("format")) != FORMAT:
-        raise StateError(f"attribute format: expected {FORMAT!r}, found {found!r}")
-    if (version := int(file.attrs.get("version", 0))) != VERSION:
-        raise StateError(f"state of version {version}; this Duhamel reads version {VERSION}")
+    if (found := file.attrs.get("format")) != STATE_FORMAT:
+        raise StateError(f"attribute format: expected {STATE_FORMAT!r}, found {found!r}")
+    if (version := int(file.attrs.get("version", 0))) != STATE_VERSION:
+        raise StateError(f"state of version {version}; this Duhamel reads version {STATE_VERSION}")
 
 
 def _names(group: h5py.Group) -> list[str]:
     """The arrays in a group and below it, links not followed."""
     names: list[str] = []
+    # `visit` does not follow links, which might lead out of the file.
     group.visit(names.append)
     return [name for name in names if isinstance(group[name], h5py.Dataset)]
 
@@ -118,6 +122,7 @@ def _names(group: h5py.Group) -> list[str]:
 def _array(file: h5py.File, name: str, *kinds: str) -> Any:
     """An array that lies in the file as a whole, so that it is no larger than the file."""
     dataset = file[name]
+    # A small file may declare terabytes, compressed or not stored at all.
     stored = dataset.id.get_storage_size() == dataset.nbytes and dataset.chunks is None
     if not stored or dataset.external or dataset.is_virtual or dataset.dtype not in kinds:
         raise StateError(f"{name}: expected numbers in one piece, found {dataset}")

@@ -19,31 +19,32 @@ from ..compiler.object_file import compiler, processor
 from ..compiler.object_file import key as code_key
 from ..errors import StateError
 from ..history.layout import Horizon
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
 from ..model.model import Model
-from ..schema.entry import Beside, Entry, note
+from ..schema.entry import Entry, Flattened, note
 from ..schema.tables import declared, key_of
 from ..signals.recorded import Recorded, RecordedSpline
-from ..step.system import Laws
+from ..step.records.laws import Laws
 from .layout import Layout, layout_of
 
-FREE = ("simulation.t_end", "simulation.checkpoint", "source", "path")
+FREE_KEYS = ("simulation.t_end", "simulation.checkpoint", "source", "path")
 """beginnings of keys that may change between a run and its continuation"""
-TABLES = {
+KEY_OF_FIELD = {
     "settings": "simulation",
     "ground_frames": "ground.frames",
     "gravity": "simulation.gravity",
 }
 """fields of a model by the keys of files"""
-LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
+# Other versions may round otherwise, and a run would not go on to the bit.
+NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
 BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance", "outline"})
 """fields of superelements that no step reads"""
-LOOKS = "shape"
+SHAPE_FIELD = "shape"
 """the field of rigid bodies that no step reads"""
-LONGEST = 60
-"""characters of a value in a message"""
+# characters in a message
+MAX_QUOTED_VALUE = 60
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ class Identity:
 
     def check_model(self, model: Model) -> None:
         """`StateError` that names what has changed in versions, machine and model."""
+        # The state has been through JSON: tuples are lists there, on both sides now.
         is_now = json.loads(json.dumps(contents_of(model)))
         if change := first_change(self.software, software()) or first_change(self.model, is_now):
             raise StateError(change)
@@ -128,6 +130,7 @@ def identity_of(lowered: LoweredModel) -> Identity:
 
 def first_change(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """The first key with another value, in words; "" if there is none."""
+    # In the order of the file, so that the first change is the one a user finds first.
     for key in [*was, *(key for key in now if key not in was)]:
         if key not in now:
             return f"{key}: was {_short(was[key])}, is no longer there"
@@ -140,12 +143,12 @@ def first_change(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
 
 def _short(value: Any) -> str:
     text = repr(value)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return text if len(text) <= MAX_QUOTED_VALUE else f"{text[: MAX_QUOTED_VALUE - 3]}..."
 
 
 def software() -> dict[str, str]:
     """Versions of what computes, the processor, and the compiled code."""
-    names = ("duhamel", *LIBRARIES)
+    names = ("duhamel", *NUMERICAL_LIBRARIES)
     return {name: metadata.version(name) for name in names} | {
         "processor": processor(),
         "code of the time step": code_key(),
@@ -160,9 +163,9 @@ def contents_of(model: Model) -> dict[str, Any]:
     """The values of a model by the keys of its file, but for those that may change."""
     contents: dict[str, Any] = {}
     for field, _ in declared(Model):
-        key = TABLES.get(field.name, field.name)
+        key = KEY_OF_FIELD.get(field.name, field.name)
         contents |= _flat(key, getattr(model, field.name))
-    return {key: value for key, value in contents.items() if not key.startswith(FREE)}
+    return {key: value for key, value in contents.items() if not key.startswith(FREE_KEYS)}
 
 
 def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -179,9 +182,9 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield f"{key}.file", f"{type(value).__name__} {digest_of(value.points)}"
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):
-            if isinstance(value, RigidBody) and field.name == LOOKS:
+            if isinstance(value, RigidBody) and field.name == SHAPE_FIELD:
                 continue
-            below = key if note(hint, Beside) else f"{key}.{key_of(field, hint)}"
+            below = key if note(hint, Flattened) else f"{key}.{key_of(field, hint)}"
             yield from _flat(below, getattr(value, field.name))
     elif isinstance(value, Mapping):
         for name, item in value.items():
@@ -199,6 +202,7 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, Callable):  # type: ignore[arg-type]
         return f"function {getattr(value, '__qualname__', type(value).__qualname__)}"
+    # Of a Python function only the name is known: its code may change unnoticed.
     return value if isinstance(value, str | int | float | bool | tuple | None) else repr(value)
 
 
@@ -217,6 +221,7 @@ def _parts(value: Any) -> Iterator[bytes]:
                 yield field.name.encode()
                 yield from _parts(getattr(value, field.name))
     elif isinstance(value, np.ndarray):
+        # Bytes alone would make arrays of other shapes equal.
         yield repr((value.dtype.str, value.shape)).encode()
         yield np.ascontiguousarray(value).tobytes()
     elif isinstance(value, tuple):
@@ -244,7 +249,8 @@ def _without_addresses(laws: Laws) -> Array:
     """The parameters of force laws, with 0 for what is another number in every process."""
     parameters = laws.parameters.copy()
     for first, number in zip(laws.first.tolist(), laws.number.tolist(), strict=False):
-        parameters[first : first + LAWS[number].addresses] = 0.0
+        # Laws of users are called by their address, which each process chooses anew.
+        parameters[first : first + LAW_KINDS[number].addresses] = 0.0
     return parameters
 
 
@@ -280,6 +286,7 @@ def _check_kernel(
     now = _kernel(e, lowered, was[1])
     if was[0] != now[0]:
         raise StateError(f"body {name!r}: its history was {was[0]}, is {now[0]}")
+    # A longer run may cut kernels off that were whole before; that alone would be no reason.
     if was[2] != now[2] and was[3] != now[3]:
         raise StateError(
             f"body {name!r}: memory: its impulse responses are cut off in the longer run, and were "

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Index, as_index
 from ..compiler.struct import Struct
 from ..lower.lower import LoweredModel
-from ..step.system import Elastic
+from ..step.records.elastic import Elastic
 
 Ranges = Mapping[str, Sequence[int]]
 """the first number of each name, and the one after its last"""
@@ -44,6 +44,7 @@ def layout_of(lowered: LoweredModel) -> Layout:
     elastic, flexible = lowered.system.elastic, list(lowered.model.flexible_bodies)
     couplings = lowered.system.couplings
     rows, laws = couplings.range.tolist(), couplings.laws
+    # Of couplings, by their rows, by the laws of these: the first number of memory of each.
     remembered = laws.memory[laws.range[couplings.range]]
     return Layout(
         n_b=_one_each(lowered.body_names),
@@ -78,6 +79,7 @@ def _ranges(names: Sequence[str], ends: Sequence[int]) -> Ranges:
 
 def _common(here: Ranges, there: Ranges) -> tuple[Index, Index]:
     pairs = [(range(*here[name]), range(*there[name])) for name in here if name in there]
+    # Another number of rows is another joint of the same name: it begins anew.
     same = [(own, other) for own, other in pairs if len(own) == len(other)]
     own = [number for numbers, _ in same for number in numbers]
     other = [number for _, numbers in same for number in numbers]
@@ -94,9 +96,11 @@ def take_over(
             own, other = numbers[dimension]
             array, values = getattr(record, field), kept[f"{name}/{field}"][other]
             if array.ndim > 1:
+                # Columns are steps of the past, of which both runs keep as many as they need.
                 n = min(array.shape[1], values.shape[1])
                 array[own, :n] = values[:, :n]
             else:
                 array[own] = values
+        # Records of one number, or of dimensions that have no names.
         elif dimension:
             getattr(record, field)[...] = np.resize(kept[f"{name}/{field}"], 1)

@@ -39,11 +39,11 @@ from numba.extending import intrinsic, models, register_model
 
 from .calls import call_intrinsic
 from .foreign import call_by_address
-from .marks import COMPILED, ENTRIES, MARK, Entry
+from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS, OBJECT_MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
 
-OPTIONS = {
+NUMBA_OPTIONS = {
     "nopython": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract"},
@@ -51,17 +51,19 @@ OPTIONS = {
     "_nrt": False,
 }
 """sums may be reordered, for vector instructions; nothing else is relaxed"""
-OPTIMIZATION = 1
-"""of LLVM; at 3 it takes a second more, and a step as long as at 1"""
-NEEDLESS = frozenset({InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites})
+# At 3 LLVM takes a second more, and a step as long as at 1.
+LLVM_OPTIMIZATION = 1
+NEEDLESS_PASSES = frozenset(
+    {InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites}
+)
 """passes over what compiled functions have not: closures, inlined functions, array expressions"""
-KNOWN = frozenset(
+KNOWN_FUNCTIONS = frozenset(
     {"atan2", "cos", "exp", "log", "pow", "sin", "sincos", "sqrt", "memcpy", "memset"}
 )
 """functions of the C library that compiled code may call"""
 
 WORD, DOUBLE, BYTES = ir.IntType(64), ir.DoubleType(), ir.IntType(8).as_pointer()
-INDEX = ir.IntType(32)
+INDEX_TYPE = ir.IntType(32)
 
 
 class StructType(types.Type):  # type: ignore[misc]
@@ -81,7 +83,7 @@ class View(types.Type):  # type: ignore[misc]
 
 
 def main() -> None:
-    """Write the object file of all entries to standard output, after `MARK`.
+    """Write the object file of all entries to standard output, after `OBJECT_MARK`.
 
     What numba or others print goes to standard error.
     """
@@ -89,7 +91,7 @@ def main() -> None:
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        output.write(MARK + build())
+        output.write(OBJECT_MARK + build())
 
 
 def build() -> bytes:
@@ -105,6 +107,7 @@ def build() -> bytes:
 def _fewer_collections() -> Iterator[None]:
     """Typing makes millions of objects that live to the end: to look through them takes as long."""
     threshold = gc.get_threshold()
+    # Objects that are there already are not looked at again.
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
     try:
@@ -121,13 +124,14 @@ def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
     target.refresh()
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
-    for function in COMPILED:
-        if function in INTRINSICS:
-            typing.insert_global(function, typing.resolve_value_type(INTRINSICS[function]))
+    for function in COMPILED_FUNCTIONS:
+        if function in QUICK_INTRINSICS:
+            typing.insert_global(function, typing.resolve_value_type(QUICK_INTRINSICS[function]))
             continue
-        dispatchers[function] = _Inner(function, {}, dict(OPTIONS), pipeline_class=pipeline)
+        dispatchers[function] = _Inner(function, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
+        # By its dispatcher a function is known to the others before it is compiled itself.
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
-    for entry in ENTRIES.values():
+    for entry in COMPILED_ENTRIES.values():
         typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
     return dispatchers
 
@@ -138,7 +142,7 @@ def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
     module = ir.Module("entries")
     module.triple = llvm.get_process_triple()
     module.data_layout = target.codegen()._data_layout
-    for entry in ENTRIES.values():
+    for entry in COMPILED_ENTRIES.values():
         dispatcher = dispatchers[entry.function]
         arguments = tuple(_numba_type(kind) for kind in entry.arguments.values())
         dispatcher.compile(arguments)
@@ -151,18 +155,23 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
     final = llvm.parse_assembly(cgutils.normalize_ir_text(str(module)))
     final.name = "duhamel"
     for library in _with_linked(libraries):
+        # preserve: numba still reads these modules while others are linked.
         final.link_in(library._get_module_for_linking(), preserve=True)
     for function in final.functions:
-        if not function.is_declaration and function.name not in ENTRIES:
+        if not function.is_declaration and function.name not in COMPILED_ENTRIES:
+            # What nothing outside can call may be inlined, merged and removed.
             function.linkage = "internal"
     for variable in final.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"
-    missing = {f.name for f in final.functions if f.is_declaration} - KNOWN
+    # The object file is loaded without a linker: what is not known here would crash at its first
+    # call.
+    missing = {f.name for f in final.functions if f.is_declaration} - KNOWN_FUNCTIONS
     if strange := [name for name in missing if not name.startswith("llvm.")]:
         raise LookupError(f"undefined functions: {sorted(strange)}")
     for variable in final.global_variables:
         if variable.name.startswith("numba.dynamic.globals"):
+            # An address of this process has no meaning in the next.
             raise NotImplementedError("a compiled function reads a large array by its address")
     machine = _target_machine()
     _optimize(final, machine)
@@ -172,7 +181,7 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
 def _optimize(module: Any, machine: Any) -> None:
     # straight code is not turned into vector instructions: it makes the step a tenth slower
     if hasattr(llvm, "create_pass_builder"):
-        tuning = llvm.create_pipeline_tuning_options(speed_level=OPTIMIZATION)
+        tuning = llvm.create_pipeline_tuning_options(speed_level=LLVM_OPTIMIZATION)
         tuning.loop_vectorization, tuning.slp_vectorization = True, False
         builder = llvm.create_pass_builder(machine, tuning)
         builder.getModulePassManager().run(module, builder)
@@ -204,7 +213,7 @@ def _target_machine() -> Any:
     return target.create_target_machine(
         cpu=llvm.get_host_cpu_name(),
         features=features,
-        opt=OPTIMIZATION,
+        opt=LLVM_OPTIMIZATION,
         reloc="static",
         codemodel="jitdefault",
         jit=True,
@@ -234,12 +243,14 @@ class _Pipeline(CompilerBase):  # type: ignore[misc]
 
     def define_pipelines(self) -> list[Any]:
         flags = self.state.flags
+        # Wrappers for Python and C take most of numba's time, and only entries are called from
+        # outside.
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
         name = self.state.func_id.func_qualname
         self.state.library = _Library(self.state.targetctx.codegen(), name)
         self.libraries.append(self.state.library)
         manager = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        manager.passes = [each for each in manager.passes if each[0] not in NEEDLESS]
+        manager.passes = [each for each in manager.passes if each[0] not in NEEDLESS_PASSES]
         manager.finalize()
         return [manager]
 
@@ -280,6 +291,7 @@ class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
     key = StructType
 
     def generic_resolve(self, typ: Any, attr: str) -> Any:
+        # A bool is a word like all numbers: memory has no smaller pieces.
         field = typ.cls.layout.get(attr)
         return None if field is None else _numba_type(field[1])
 
@@ -289,7 +301,7 @@ def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any
     first, kind = typ.cls.layout[attr]
 
     def word(k: int, type_: Any) -> Any:
-        place = builder.gep(pointer, [INDEX(8 * k)], inbounds=True)
+        place = builder.gep(pointer, [INDEX_TYPE(8 * k)], inbounds=True)
         value = builder.load(builder.bitcast(place, type_.as_pointer()), align=8)
         # words never change while compiled code runs: LLVM may move and merge these loads
         value.set_metadata("invariant.load", builder.module.add_metadata([]))
@@ -298,7 +310,7 @@ def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any
     if kind in (float, int, bool):
         return word(first, DOUBLE if kind is float else WORD)
     if not isinstance(kind, ArrayField):
-        return builder.gep(pointer, [INDEX(8 * first)], inbounds=True)
+        return builder.gep(pointer, [INDEX_TYPE(8 * first)], inbounds=True)
     data = word(first, (DOUBLE if kind.dtype == np.float64 else WORD).as_pointer())
     numbers = iter(range(first + 1, first + kind.n_words))
     shape = [WORD(dim) if isinstance(dim, int) else word(next(numbers), WORD) for dim in kind.dims]
@@ -394,12 +406,14 @@ def _place(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, list[A
     if isinstance(kinds[-1], types.SliceType):
         part = context.make_helper(builder, kinds[-1], values[-1])
         n = shape[len(values) - 1]
+        # A slice ends with the array, as in numpy; its start is not checked.
         stop = builder.select(builder.icmp_signed("<", part.stop, n), part.stop, n)
         values[-1] = part.start
         kinds = (*kinds[:-1], types.int64)
         rest = [builder.sub(stop, part.start, flags=["nsw"]), *rest]
     offset = WORD(0)
     for i, n in enumerate(shape):
+        # Horner's rule over the dimensions; nsw lets LLVM reckon with indices that do not overflow.
         offset = builder.mul(offset, n, flags=["nsw"])
         if i < len(values):
             value = context.cast(builder, values[i], kinds[i], types.int64)
@@ -432,7 +446,7 @@ def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, An
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
-INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
+QUICK_INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
 """what stands for functions that are not compiled as they are written"""
 
 

@@ -21,9 +21,9 @@ from pathlib import Path
 BY_FOLDER = os.open in os.supports_dir_fd and os.scandir in os.supports_fd
 """whether files can be opened relative to an open folder; not on Windows, where the folders of
 users are kept apart"""
-UNFOLLOWED = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+NO_FOLLOW_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 """flags by which links are not followed and a pipe does not wait for its other end"""
-BINARY = getattr(os, "O_BINARY", 0)
+BINARY_FLAG = getattr(os, "O_BINARY", 0)
 
 
 class NotPrivateError(OSError):
@@ -84,7 +84,7 @@ class Cache:
                     self._remove(old.name)
 
     def _open(self, name: str, flags: int) -> int:
-        flags |= UNFOLLOWED | BINARY
+        flags |= NO_FOLLOW_FLAGS | BINARY_FLAG
         handle = os.open(self._at(name), flags, 0o600, dir_fd=self.handle)
         status = os.fstat(handle)
         if not (stat.S_ISREG(status.st_mode) and is_private(status)):

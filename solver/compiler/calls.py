@@ -13,10 +13,12 @@ from numba.extending import intrinsic
 from ..errors import ForeignError
 
 NUMBERS, WORD, DOUBLE = types.CPointer(types.float64), ir.IntType(64), ir.DoubleType()
-RESULTS = types.UniTuple(types.float64, 4)
-ARRAY = types.Array(types.float64, 1, "C")
-COLOR = re.compile("\x1b\\[[0-9;]*m")
-SIGNATURE = types.void(NUMBERS, NUMBERS, types.int64, NUMBERS, types.int64, *[types.float64] * 3)
+LAW_RESULTS = types.UniTuple(types.float64, 4)
+LAW_ARRAY = types.Array(types.float64, 1, "C")
+TERMINAL_COLOR = re.compile("\x1b\\[[0-9;]*m")
+LAW_SIGNATURE = types.void(
+    NUMBERS, NUMBERS, types.int64, NUMBERS, types.int64, *[types.float64] * 3
+)
 """results, parameters and memory with their lengths, h, c, rate"""
 
 
@@ -28,18 +30,18 @@ def machine_code(
     if numba.config.DISABLE_JIT:
         return inner, None
     try:
-        inner.compile((ARRAY, ARRAY, *[types.float64] * 3))
+        inner.compile((LAW_ARRAY, LAW_ARRAY, *[types.float64] * 3))
         _check(inner.nopython_signatures[0].return_type, returns)
-        wrapped = numba.cfunc(SIGNATURE)(_returning(inner) if returns else _silent(inner))
+        wrapped = numba.cfunc(LAW_SIGNATURE)(_returning(inner) if returns else _silent(inner))
     except ForeignError:
         raise
     except Exception as error:  # of many kinds
         raise ForeignError(_reason(error)) from error
-    KEPT.append(wrapped)
+    KEPT_CALLS.append(wrapped)
     return inner, wrapped.address
 
 
-KEPT: list[Any] = []
+KEPT_CALLS: list[Any] = []
 """machine code lives as long as what made it"""
 
 
@@ -54,7 +56,7 @@ def _check(returned: Any, returns: bool) -> None:
 
 def _reason(error: Exception) -> str:
     """The line of numba's report that says what is wrong, without colors of a terminal."""
-    report = COLOR.sub("", str(error))
+    report = TERMINAL_COLOR.sub("", str(error))
     lines = [line.strip() for line in report.splitlines() if line.strip()]
     reasons = [line for line in lines if not line.startswith("Failed in")]
     what = reasons[0] if reasons else type(error).__name__
@@ -99,9 +101,9 @@ def call_intrinsic(vector: Callable[[Any, Any, Any, Any], tuple[Any, Any]]) -> A
             arrays += vector(context, builder, sig.args[2], args[2])
             builder.call(function, [out, *arrays, *args[3:]])
             values = [builder.load(builder.gep(out, [WORD(i)])) for i in range(4)]
-            return context.make_tuple(builder, RESULTS, values)
+            return context.make_tuple(builder, LAW_RESULTS, values)
 
         numbers = [types.float64] * 3
-        return RESULTS(types.float64, parameters, memory, *numbers), generate
+        return LAW_RESULTS(types.float64, parameters, memory, *numbers), generate
 
     return call

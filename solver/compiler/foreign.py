@@ -12,7 +12,7 @@ from ..arrays import Array
 from .marks import compiled
 
 Four = tuple[float, float, float, float]
-FUNCTIONS: dict[int, Callable[..., Any]] = {}
+FUNCTION_AT: dict[int, Callable[..., Any]] = {}
 """by address; of each there is one for as long as Python runs"""
 
 
@@ -24,7 +24,7 @@ def call_by_address(
 
     Compilers replace this by a call of machine code (calls.py).
     """
-    results = FUNCTIONS[int(address)](parameters, memory, h, c, rate)
+    results = FUNCTION_AT[int(address)](parameters, memory, h, c, rate)
     return (0.0, 0.0, 0.0, 0.0) if results is None else results
 
 
@@ -37,6 +37,6 @@ def address_of(function: Callable[..., Any], returns: bool) -> int:
     from .calls import machine_code
 
     called, address = machine_code(function, returns)
-    address = address or len(FUNCTIONS) + 1
-    FUNCTIONS[address] = called
+    address = address or len(FUNCTION_AT) + 1
+    FUNCTION_AT[address] = called
     return address

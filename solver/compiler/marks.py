@@ -14,25 +14,25 @@ from .struct import ArrayField, Struct, field_kind
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-COMPILED: dict[Callable[..., Any], None] = {}
+COMPILED_FUNCTIONS: dict[Callable[..., Any], None] = {}
 """all functions that are compiled, entries included, in the order of their definition"""
-MARK = b"object file of duhamel\n"
+OBJECT_MARK = b"object file of duhamel\n"
 """what the process that builds writes ahead of the object file"""
-ENTRIES: dict[str, "Entry"] = {}
+COMPILED_ENTRIES: dict[str, "Entry"] = {}
 """entries by the name that they have in the object file"""
 
 
 def compiled(function: Function) -> Function:
     """Register a function that compiled code calls; called from Python, it runs as Python."""
-    COMPILED[function] = None
+    COMPILED_FUNCTIONS[function] = None
     return function
 
 
 def entry(function: Function) -> Function:
     """Register a compiled function that Python calls too, with the arguments that it annotates."""
-    COMPILED[function] = None
+    COMPILED_FUNCTIONS[function] = None
     made = Entry(function)
-    ENTRIES[made.symbol] = made
+    COMPILED_ENTRIES[made.symbol] = made
     return cast(Function, made)
 
 
@@ -136,7 +136,7 @@ def _word_types(kind: Any) -> list[Any]:
 
 def records() -> Iterator[type[Struct]]:
     """The classes of the records that entries take, records within included."""
-    waiting = [kind for entry in ENTRIES.values() for kind in entry.arguments.values()]
+    waiting = [kind for entry in COMPILED_ENTRIES.values() for kind in entry.arguments.values()]
     found: set[Any] = set()
     while waiting:
         kind = waiting.pop()

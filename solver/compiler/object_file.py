@@ -29,13 +29,13 @@ import numpy as np
 from . import marks
 from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
 
-COMPILER = ("build", "calls", "dispatch", "marks", "struct")
+COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct")
 """the files of this folder that machine code depends on"""
-KEPT = 8
+MAX_OBJECT_FILES = 8
 """object files that stay in the cache, the newest ones"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
-DIGEST = 32
+OBJECT_DIGEST_BYTES = 32
 """bytes at the end of a file: the SHA-256 of all before it"""
 
 _lock = threading.RLock()
@@ -60,10 +60,10 @@ def load() -> None:
     later processes: `build` is not tried again.
     """
     with _lock:
-        if all(entry.is_bound for entry in marks.ENTRIES.values()):
+        if all(entry.is_bound for entry in marks.COMPILED_ENTRIES.values()):
             return
         if _is_plain():
-            for entry in marks.ENTRIES.values():
+            for entry in marks.COMPILED_ENTRIES.values():
                 entry.call = entry.function
             return
         compiler = os.environ.get("DUHAMEL_COMPILER", "")
@@ -99,10 +99,11 @@ def key() -> str:
     """A digest of all that the machine code depends on (16 hexadecimal digits)."""
     import llvmlite.binding as llvm
 
-    kinds = [*marks.COMPILED, *marks.records()]
+    kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER]
+    compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER_FILES]
     digest = hashlib.sha256()
+    # Sorted, so that the digest does not depend on the order of imports.
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
     layouts = sorted(record.description() for record in marks.records())
@@ -123,7 +124,7 @@ def processor() -> str:
 
 def _constants() -> Iterator[tuple[str, Any]]:
     """Numbers and arrays that compiled functions read, in whichever module they are written."""
-    for function in marks.COMPILED:
+    for function in marks.COMPILED_FUNCTIONS:
         for name in function.__code__.co_names:
             value = function.__globals__.get(name)
             if isinstance(value, (int, float, tuple)):
@@ -149,7 +150,7 @@ def _cached_code() -> bytes | None:
         return None
     except OSError:
         return None
-    code, digest = content[:-DIGEST], content[-DIGEST:]
+    code, digest = content[:-OBJECT_DIGEST_BYTES], content[-OBJECT_DIGEST_BYTES:]
     return code if hashlib.sha256(code).digest() == digest else None
 
 
@@ -161,12 +162,13 @@ def _new_code() -> bytes:
     code = None
     try:
         with opened_cache(make=True) as folder, folder.locked():
+            # Within the lock: of many processes that start at once one compiles.
             code = _cached_code()  # another process may have made it while this one waited
             if code is None:
                 code = _built_code()
                 folder.write(_name(), code + hashlib.sha256(code).digest())
-                folder.remove_oldest("step-*.o", KEPT)
-                folder.remove_oldest("step-*.part", KEPT)
+                folder.remove_oldest("step-*.o", MAX_OBJECT_FILES)
+                folder.remove_oldest("step-*.part", MAX_OBJECT_FILES)
     except OSError as error:
         _announce(f"compiled code cannot be kept (DUHAMEL_CACHE names a folder): {error}")
     return code or _built_code()
@@ -211,7 +213,8 @@ def _built_code() -> bytes:
         )
     except OSError:
         return _built_here()
-    _, mark, code = process.stdout.partition(marks.MARK)
+    # Libraries may print while they are imported: the code begins after the mark.
+    _, mark, code = process.stdout.partition(marks.OBJECT_MARK)
     if process.returncode or not mark:
         report = process.stderr.decode(errors="replace")
         if os.environ.get("DUHAMEL_COMPILER") == "quick":
@@ -240,7 +243,7 @@ def _reason(report: str) -> str:
 def _bind(code: bytes) -> None:
     """Load an object file and give every entry its function."""
     engine = engine_of(code)
-    for entry in marks.ENTRIES.values():
+    for entry in marks.COMPILED_ENTRIES.values():
         address = engine.get_function_address(entry.symbol)
         if not address:
             raise LookupError(f"{entry.symbol} was registered after the object file was named")
@@ -255,7 +258,9 @@ def engine_of(code: bytes) -> Any:
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
     engine = llvm.create_mcjit_compiler(
-        llvm.parse_assembly(""), target.create_target_machine(jit=True)
+        # An engine needs a module; the object file is added to it.
+        llvm.parse_assembly(""),
+        target.create_target_machine(jit=True),
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()

@@ -15,10 +15,10 @@ from numba.extending import overload
 
 from .calls import call_intrinsic
 from .foreign import call_by_address
-from .marks import COMPILED, ENTRIES
+from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS
 from .struct import Struct
 
-OPTIONS: dict[str, Any] = {
+STOCK_OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract"},
     "forceinline": True,
@@ -28,16 +28,16 @@ OPTIONS: dict[str, Any] = {
 
 def bind(folder: Path | None) -> None:
     """Give every entry a function compiled at its first call; its code is cached in the folder."""
-    entries = {entry.function: entry for entry in ENTRIES.values()}
-    for function in COMPILED:
-        implementation = _returned(INTRINSICS.get(function, function))
-        overload(function, jit_options=OPTIONS, strict=False)(implementation)
+    entries = {entry.function: entry for entry in COMPILED_ENTRIES.values()}
+    for function in COMPILED_FUNCTIONS:
+        implementation = _returned(STOCK_INTRINSICS.get(function, function))
+        overload(function, jit_options=STOCK_OPTIONS, strict=False)(implementation)
         if function in entries:
-            overload(entries[function], jit_options=OPTIONS, strict=False)(implementation)
+            overload(entries[function], jit_options=STOCK_OPTIONS, strict=False)(implementation)
     others, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder or "")
     try:
-        for entry in ENTRIES.values():
-            jitted = numba.njit(entry.function, cache=folder is not None, **OPTIONS)
+        for entry in COMPILED_ENTRIES.values():
+            jitted = numba.njit(entry.function, cache=folder is not None, **STOCK_OPTIONS)
             entry.call = _unpacking(jitted)
     finally:
         numba.config.CACHE_DIR = others
@@ -58,7 +58,7 @@ def _call_by_address(
     return _call(address, parameters, memory, h, c, rate)
 
 
-INTRINSICS: dict[Any, Any] = {call_by_address: _call_by_address}
+STOCK_INTRINSICS: dict[Any, Any] = {call_by_address: _call_by_address}
 
 
 def _returned(function: Any) -> Any:

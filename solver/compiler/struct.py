@@ -36,6 +36,7 @@ class ArrayField(NamedTuple):
             raise TypeError(f"expected an array {self}, found {array.dtype} {shape}")
         if not array.flags.c_contiguous:
             raise TypeError(f"expected a contiguous array {self}, found strides {array.strides}")
+        # Constant dimensions are part of the compiled code, and need no word.
         variable = [n for n, dim in zip(shape, self.dims, strict=True) if isinstance(dim, str)]
         return [array.__array_interface__["data"][0], *variable]
 
@@ -93,6 +94,7 @@ class Struct:
         for name, annotation in cls.__annotations__.items():
             kind = field_kind(annotation, cls.__dict__.get(name, ("n",)))
             if name in cls.__dict__:
+                # The default, dimensions, would hide a field that is missing in an instance.
                 delattr(cls, name)
             cls.layout[name] = cls.n_words, kind
             is_number = kind in (float, int, bool)
@@ -110,6 +112,8 @@ class Struct:
             except TypeError as error:
                 raise TypeError(f"{type(self).__name__}.{name}: {error}") from error
             words[first : first + len(own)] = own
+        # Past __setattr__, which forbids to bind a field anew; the arrays must live as long as the
+        # words.
         self.__dict__.update(values)
         self.__dict__["words"] = words
         self.__dict__["address"] = words.__array_interface__["data"][0]
@@ -179,4 +183,5 @@ def _words(kind: Any, value: Any) -> Any:
         return [int(bool(value))]
     if type(value) is not kind:
         raise TypeError(f"expected {kind.__name__}, found {type(value).__name__}")
+    # A record without words has one word for its address: it is not copied.
     return value.words[: kind.n_words]

@@ -1,1 +1,1 @@
-"""What is between bodies: joints, motions, springs, contacts, stops, motors, couplers."""
+"""Couplings between bodies: joints, motions, springs, contacts, stops, motors, couplers."""

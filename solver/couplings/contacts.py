@@ -16,9 +16,9 @@ from ...results.space import ContactShape
 from ..arrays import Array
 from ..laws.contact import ContactLaw
 from ..laws.hertz import Patch, patch_of
-from ..schema.entry import Beside, Entry, entry, one_of
+from ..schema.entry import Entry, Flattened, entry, one_of
 from ..schema.values import (
-    ABSENT,
+    NO_ARRAY,
     Name,
     NotNegative,
     Numbers,
@@ -28,7 +28,7 @@ from ..schema.values import (
     Positive,
     ZeroOrPositive,
 )
-from ..step.gaps import FirstSlip, Gap, SecondSlip
+from ..step.gaps import FirstSlip, Gap, SecondSlip, gap_parameters
 from ..step.shapes import Cylinder, Plane, Profile, Sphere
 from .coupling import GROUND, Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
@@ -47,19 +47,19 @@ PROFILE_POINTS = 8
 
 @dataclass(frozen=True)
 class ShapeType:
-    """Which keys a shape takes, and its number in compiled code."""
+    """The keys of a shape of contacts, and its number in compiled code."""
 
     number: int
     round: bool = False
-    """has a radius"""
+    """whether it has a radius"""
     hollow: bool = False
-    """may be"""
+    """whether it may be hollow"""
     points: bool = False
-    """goes through some"""
+    """whether it goes through points"""
     axis: bool = False
-    """needs one"""
+    """whether it needs an axis"""
     length: bool = False
-    """may have one"""
+    """whether it may have a length"""
 
 
 SHAPE_TYPES = {
@@ -126,14 +126,14 @@ class Contact(Entry, Coupling):
     between: Pair
     shape: Annotated[str, one_of(SHAPE_TYPES)]
     ball: ZeroOrPositive
-    axis: OptionalDirection = ABSENT
+    axis: OptionalDirection = NO_ARRAY
     radius: Positive | None = None
     hollow: bool = False
     length: Positive | None = None
-    points: OptionalPoints = ABSENT
+    points: OptionalPoints = NO_ARRAY
     hertz: Hertz | None = None
     patch: Numbers = NO_PATCH
-    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
+    impact: Annotated[Impact, Flattened()] = field(default_factory=Impact)
     friction: AnyCoefficient | None = None
     tangential_stiffness: Positive | None = None
     tangential_damping: NotNegative | None = None
@@ -181,6 +181,7 @@ class Contact(Entry, Coupling):
 
     def rows(self, sides: Sequence[Sides]) -> list[Row]:
         """The gap, and slip along two tangents where there is friction."""
+        # A contact stands between one pair of frames; couplers between several.
         (own,) = sides
         A, B, (axis, across) = own.frame_a, own.frame_b, self._axes(own.pose_a.R)
         gap = Row(Gap.number, A, B, axis, across, laws=(self.law(),), normal=(1.0, 0))
@@ -200,6 +201,8 @@ class Contact(Entry, Coupling):
 
     def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
         first, second = side_names(self)
+        # The force acts at the touching point, away from the origin of the frame that carries the
+        # shape. A ball has its force through its center unless it rubs.
         causes = {first: f"{self.owner}, whose shape it carries"}
         if self.friction is not None and self.ball > 0.0:
             causes[second] = f"{self.owner}, with friction on a ball"
@@ -207,6 +210,8 @@ class Contact(Entry, Coupling):
 
     def check_depth(self, depth: float, size: float) -> None:
         """`ModelError` for a ball that is deeper than its radius, or than a tenth of the model."""
+        # Once its center is beyond the surface, the ball is pushed out on the other side; and a
+        # force of a tenth of the model throws everything apart.
         limits = {"a tenth of the size of the model": DEEPEST_START * size}
         if self.ball > 0.0:
             limits["the radius of its ball"] = self.ball
@@ -219,31 +224,36 @@ class Contact(Entry, Coupling):
         _, across = self._axes(D)
         curve = np.zeros((0, 2))
         if self.points is not None:
+            # Spline pieces have unequal lengths: each gets as many points, so that short ones look
+            # round.
             spline = curve_through(self.points)
             n = len(spline.x) - 1
             pieces = np.linspace(0, n, PROFILE_POINTS * n + 1)
             curve = spline(np.interp(pieces, np.arange(n + 1), spline.x))
         length = np.inf if self.length is None else self.length
+        # Frames of the ground may be turned (D), but pictures place their shapes in the axes of
+        # space.
         across = D @ across if self.between[0] == GROUND else across
         return ContactShape(self.radius or 0.0, length, across, curve)
 
     def _axes(self, D: Array) -> tuple[Array, Array]:
         """The axis of the shape and one across it, in the axes D (3, 3) of the first frame."""
+        # A sphere is the same from all sides; any axes do for its tangents.
         if self.axis is None:
             return np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+        # The axis is given in space at the start; the shape turns with its frame from there on.
         basis = D.T @ basis_about(self.axis, D)
         return basis[:, 2], basis[:, 0]
 
     def _parameters(self) -> list[float]:
-        """Ball, side and what the shape asks for."""
-        side = -1.0 if self.hollow else 1.0
+        """The parameters of compiled code: ball, side, then those of the shape."""
         length = math.inf if self.length is None else self.length
-        own: list[float] = []
+        shape: list[float] = []
         if self.points is not None:
-            own = _pieces(self.points)
+            shape = _pieces(self.points)
         elif self.radius is not None:
-            own = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
-        return [self.ball, side, *own]
+            shape = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
+        return gap_parameters(self.ball, self.hollow, shape)
 
     @property
     def _size(self) -> float:
@@ -253,6 +263,8 @@ class Contact(Entry, Coupling):
         """
         if self.points is not None:
             spans = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+            # A profile has no radius; features of the curve are about as large as its shortest
+            # chord.
             return self.ball + float(spans.min())
         return math.inf if self.radius is None else self.ball + self.radius
 
@@ -262,10 +274,13 @@ class Contact(Entry, Coupling):
 
         At a penetration of 1 m: it grows with the root of that.
         """
+        # Hertz's ellipse is long where the curvature is small.
         along, around = self._curvatures
         patch = self._patch
         sizes = (patch.long, patch.short) if along <= around else (patch.short, patch.long)
+        # Flat and hollow surfaces bound no patch by their own radius.
         shape = math.inf if self.radius is None or self.hollow else self.radius
+        # Along its axis a cylinder is straight: there the ball alone has a radius.
         ball_alone = self.shape == "cylinder"
         return max(
             sizes[0] / (self.ball if ball_alone else min(self.ball, shape)),
@@ -280,6 +295,7 @@ class Contact(Entry, Coupling):
     def _curvatures(self) -> tuple[float, float]:
         """Sums of the curvatures of ball and shape [1/m], along and around the axis."""
         own = 1.0 / self.ball
+        # In a hollow shape the curvatures have opposite signs.
         around = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
         return (around if self.shape == "sphere" else own), around
 
@@ -333,6 +349,7 @@ class Contact(Entry, Coupling):
 def _pieces(points: Array) -> list[float]:
     """The pieces of the curve through points, as `Profile` reads them."""
     spline = curve_through(points)
+    # Compiled code finds a piece by its length, then the coefficients of both coordinates.
     lengths, closed = np.diff(spline.x), bool((points[0] == points[-1]).all())
     pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
     return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
@@ -342,6 +359,7 @@ def curve_through(points: Array) -> Any:
     """The `scipy.interpolate.CubicSpline` through points (n, 2) over the lengths of its chords."""
     from scipy.interpolate import CubicSpline  # slow to load, and few models have a profile
 
+    # Chord lengths as parameter: equal parameters for unequal chords would make loops.
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     ends = "periodic" if (points[0] == points[-1]).all() else "natural"
     return CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)

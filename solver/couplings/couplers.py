@@ -28,16 +28,16 @@ from .coupling import Coupling
 from .joint import Joint
 from .rows import Row, Sides, Term
 
-NEEDS = {
+KEYS_OF_TYPE = {
     "gear": ("teeth", "radii"),
     "rack": ("radius",),
     "screw": ("lead",),
     "linear": ("ratios",),
 }
-"""keys of which each type takes one"""
-COORDINATES = {"gear": ("rad", "rad"), "rack": ("rad", "m"), "screw": ("rad", "m")}
+"""the keys of which each type takes one"""
+COORDINATE_UNITS = {"gear": ("rad", "rad"), "rack": ("rad", "m"), "screw": ("rad", "m")}
 """units of the coordinates of each type"""
-KEYS = tuple(dict.fromkeys(key for keys in NEEDS.values() for key in keys))
+ALL_KEYS = tuple(dict.fromkeys(key for keys in KEYS_OF_TYPE.values() for key in keys))
 
 
 @entry()
@@ -55,7 +55,7 @@ class Coupler(Entry):
     group: ClassVar[str] = "couplers"
 
     name: Name
-    type: Annotated[str, one_of(NEEDS)]
+    type: Annotated[str, one_of(KEYS_OF_TYPE)]
     joints: JointNames
     ratios: SomeNonZero | None = None
     teeth: SomeNonZero | None = None
@@ -66,9 +66,9 @@ class Coupler(Entry):
     offset: DrivingSignal | None = None
 
     def validate(self) -> None:
-        given = [key for key in KEYS if getattr(self, key) is not None]
-        if len(given) != 1 or given[0] not in NEEDS[self.type]:
-            needs, found = " or ".join(NEEDS[self.type]), " and ".join(given) or "none"
+        given = [key for key in ALL_KEYS if getattr(self, key) is not None]
+        if len(given) != 1 or given[0] not in KEYS_OF_TYPE[self.type]:
+            needs, found = " or ".join(KEYS_OF_TYPE[self.type]), " and ".join(given) or "none"
             raise self.error(f"a {self.type} coupler takes {needs}, found {found}")
         if self.offset is not None and is_any(self.offset, Input):
             raise self.error("offset: takes no input of a Simulator: let one drive a joint")
@@ -91,12 +91,15 @@ class Coupler(Entry):
         if self.radius is not None:
             return self.radius, -1.0
         if self.lead is not None:
+            # Coordinates are radians, a lead is the way of a full turn.
             return self.lead / (2.0 * np.pi), -1.0
         sizes = self.teeth or self.radii
         if sizes is None:
             return self.ratios or ()
         if len(sizes) != 2:
             return sizes
+        # External gears turn in opposite senses, n_1 q_1 + n_2 q_2 = 0; a ring gear turns with its
+        # pinion.
         return sizes[0], -sizes[1] if self.internal else sizes[1]
 
 
@@ -120,7 +123,7 @@ class JointCoupler(Coupling):
             raise coupler.error(f"joints: expected different ones, got {list(coupler.joints)}")
         chosen, names = zip(*((joints[joint], name) for joint, name in found), strict=True)
         units = tuple(joint.unit(name) for joint, name in zip(chosen, names, strict=True))
-        if units != (expected := COORDINATES.get(coupler.type, units)):
+        if units != (expected := COORDINATE_UNITS.get(coupler.type, units)):
             kinds = " and ".join({"rad": "an angle", "m": "a distance"}[u] for u in expected)
             raise coupler.error(f"joints: expected {kinds}, got {list(coupler.joints)}")
         return cls(coupler, chosen, names)
@@ -166,13 +169,16 @@ class JointCoupler(Coupling):
         coordinates = zip(observed, self.coordinates, strict=True)
         first, *others = (rows[name] for rows, name in coordinates)
         lead, *following = self.coupler.factors
+        # Divided by the first ratio, the row has the unit and the scale of a coordinate, which the
+        # tolerance of constraints assumes.
         ratios = [ratio / lead for ratio in following]
+        # The sum as the bodies are placed: by default the offset, so that gears may mesh anywhere.
         terms = tuple(Term(row, ratio) for row, ratio in zip(others, ratios, strict=True))
-        drawn = first.start + sum(term.ratio * term.row.start for term in terms)
+        placed = first.start + sum(term.ratio * term.row.start for term in terms)
         offset = self.coupler.offset
         if offset is not None and not isinstance(offset, Constant):
-            return [replace(first, terms=terms, drive=_over(offset, lead), drawn=drawn)]
-        value = drawn if offset is None else offset(0.0) / lead
+            return [replace(first, terms=terms, drive=_over(offset, lead), reference=placed)]
+        value = placed if offset is None else offset(0.0) / lead
         return [replace(first, terms=terms, zero=first.zero + value, start=first.start - value)]
 
 
@@ -180,6 +186,7 @@ def _over(offset: SmoothSignal, ratio: float) -> SmoothSignal:
     """An offset over a ratio."""
 
     def derivative(k: int) -> Callable[[Array], Array]:
+        # A function of k, for a closure in a loop would see the last k alone.
         return lambda t: derivatives_of(offset, t)[k] / ratio
 
     return SmoothFunction(

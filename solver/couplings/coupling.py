@@ -1,4 +1,4 @@
-"""What the solver asks of a coupling: all that a new kind needs is one class."""
+"""The interface of couplings: a new kind is one class that implements it."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -16,14 +16,15 @@ GROUND = "ground"
 """the name of space among the bodies"""
 Inertia = Callable[[Array | None], float]
 """the reduced mass of both sides [kg]; with an axis (3,) in space, that of inertias about it"""
-COINCIDENT = 1e-12
-"""distance of points, relative to their coordinates, that has lost its direction by rounding"""
+# relative to coordinates: rounding of the starting poses, some 1e-16 of them, leaves a shorter
+# distance no direction
+COINCIDENT_DISTANCE = 1e-12
 
 
 class Coupling:
-    """What acts between two frames, or on coordinates of joints, by rows.
+    """A coupling of two frames, or of coordinates of joints, by rows.
 
-    Everything outside of its class asks these questions alone, and none which kind it is.
+    The rest of the solver uses this interface alone and never tests for a kind of coupling.
     """
 
     group: ClassVar[str]
@@ -45,31 +46,31 @@ class Coupling:
 
         @property
         def type(self) -> str:
-            """What kind of its group it is, as pictures name it: "bushing"."""
+            """The type within its group, as pictures name it: "bushing"."""
 
         @property
         def between(self) -> tuple[str, str]:
-            """Its frames: "BODY.FRAME", "BODY" (its center of mass) or "ground"."""
+            """The names of its two frames: "BODY.FRAME", "BODY" (its center), or "ground"."""
 
         @property
         def owner(self) -> str:
-            """It as messages name it: "spring 'mount'"."""
+            """The name in messages: "spring 'mount'"."""
 
         def error(self, message: str) -> ModelError:
-            """An error that names it."""
+            """A ModelError that names the coupling."""
 
     def bound(self, joints: Mapping[str, Any]) -> "Coupling":
-        """The coupling that it is among the joints of a model, by name."""
+        """This coupling with the joints of a model that it refers to, by name."""
         return self
 
     @property
     def described(self) -> str:
-        """It as messages name it, with its type if that tells more."""
+        """The name in messages, with the type where that says more."""
         return f"{self.owner} ({self.type})"
 
     @property
     def in_words(self) -> str:
-        """What it does, for `check`."""
+        """A line that describes the coupling, for `check`."""
         return self.described
 
     @property
@@ -88,18 +89,18 @@ class Coupling:
         return None
 
     def drawn_shape(self, D: Array) -> ContactShape | None:
-        """What the ball of a contact touches; D (3, 3): the axes of the first frame."""
+        """The shape of a contact, for pictures; D (3, 3): the axes of the first frame."""
         return None
 
     def rows(self, sides: Sequence[Sides]) -> list[Row]:
-        """Its rows, in the order of its coordinates or constraints.
+        """The rows, in the order of coordinates or constraints.
 
-        sides: the frames of each that it is framed by, at the start.
+        sides: the frames of each coupling in `framed_by`, at the start.
         """
         raise NotImplementedError
 
     def observed(self, sides: Sides) -> dict[str, Row]:
-        """The coordinates that results record beside the rows, by name."""
+        """The coordinates that results record in addition to the rows, by name."""
         return {}
 
     def bristle(self, inertia: Inertia, sides: Sides, h: float) -> Bristle | None:
@@ -107,7 +108,8 @@ class Coupling:
         return None
 
     def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
-        """The frames of `side_names` on which it puts moments, and why, as messages say it."""
+        """The frames of `side_names` that it loads by moments, with the cause for messages."""
+        # Rows of lengths act by forces through the origins of their frames.
         if all(measures_length(row.kind) for row in rows):
             return {}
         return dict.fromkeys(side_names(self), self.described)
@@ -135,7 +137,8 @@ def side_names(coupling: Coupling) -> tuple[str, str]:
 
 def length_of(coupling: Coupling, sides: Sides) -> float:
     """The distance of two frames at the start [m], which must not be zero."""
+    # The row of a distance divides by it.
     length = float(np.linalg.norm(sides.gap(np.eye(3))))
-    if length <= COINCIDENT * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
+    if length <= COINCIDENT_DISTANCE * float(np.abs([sides.pose_a.x, sides.pose_b.x]).max()):
         raise coupling.error(f"its ends {list(coupling.between)} coincide at the start")
     return length

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from ..errors import ModelError
-from ..schema.entry import Entry, Takes, entry
+from ..schema.entry import Entry, FieldSpec, entry
 from ..schema.forms import Family
 from ..schema.tables import read_member
 from ..schema.values import NotNegative, Positive
@@ -16,7 +16,7 @@ FRICTION_COEFFICIENTS = Family("coefficient of friction")
 @FRICTION_COEFFICIENTS.bare_number
 @entry(eq=True)
 class Coulomb(Entry):
-    """The same coefficient at rest and in motion."""
+    """A coefficient of friction that is the same at rest and in motion."""
 
     sliding: NotNegative
 
@@ -61,7 +61,7 @@ def _coefficient(value: Any) -> FrictionCoefficient:
 AnyCoefficient = Annotated[
     FrictionCoefficient,
     FRICTION_COEFFICIENTS,
-    Takes("a number of at least 0, or static, sliding and speed", _coefficient, Any),
+    FieldSpec("a number of at least 0, or static, sliding and speed", _coefficient, Any),
 ]
 
 
@@ -106,6 +106,7 @@ def resolved_spring(
     stiffness: float | None, damping: float | None, inertia: float, h: float
 ) -> tuple[float, float]:
     """Stiffness and damping of a bristle that moves an inertia, by default those of its step."""
+    # omega h = RESOLVED_TURN: as stiff as the step resolves, so that sticking creeps least.
     stiffness = inertia * (RESOLVED_TURN / h) ** 2 if stiffness is None else stiffness
     damping = DAMPING_OF_BRISTLE * math.sqrt(stiffness * inertia) if damping is None else damping
     return stiffness, damping

@@ -49,10 +49,12 @@ class Impact(Entry):
             raise self.error(
                 f"restitution: expected more than 0 and at most 1, got {self.restitution:g}"
             )
+        # Restitution determines the damping at the speed of each impact.
         if self.damping > 0.0 and self.restitution < 1.0:
             raise self.error("expected restitution or damping, got both")
         if self.exponent is not None and self.stiffness is None:
             raise self.error("exponent: belongs to a stiffness, got none")
+        # Below 1 the stiffness at first touch is infinite.
         if self.exponent is not None and self.exponent < 1.0:
             raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")
 

@@ -1,4 +1,4 @@
-"""What joints have in common: a table of primitive rows, free coordinates, drives, friction.
+"""The base of all joints: a table of primitive rows, free coordinates, drives, friction.
 
 A joint aligns axes e1, e2, e3 of frame A with those of frame B. Two primitive rows cover all pairs:
 
@@ -12,16 +12,16 @@ A drive adds a row of the same two kinds: `angle` turns e1(A) by the signal befo
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, entry
+from ..schema.entry import Entry, FormerKey, entry
 from ..schema.forms import ByType, kinds_of
 from ..schema.values import Direction, FrameA, FrameB, Name, NumbersByName
-from ..signals.drives import ANGULAR, LINEAR, DriveKeys, IntegratedDrive, drive_of
+from ..signals.drives import ANGULAR_RATES, LINEAR_RATES, DriveKeys, IntegratedDrive, drive_of
 from ..signals.signal import AnySignal, DrivingSignal, SmoothSignal
 from ..step.rows import Angle as AngleRow
 from ..step.rows import Rotation, Translation
@@ -43,11 +43,11 @@ class Angle:
     by_b: bool = False
 
 
-ALL = (0, 1, 2)
+ALL_TRANSLATIONS = (0, 1, 2)
 """axes along which a joint lets nothing slide"""
 NO_ROTATION = ((0, 1), (1, 2), (2, 0))
 ABOUT_E3 = ((0, 2), (1, 2))
-TURN = Angle(0, 1, 0)
+ANGLE_ABOUT_E3 = Angle(0, 1, 0)
 """the angle of a joint that turns about e3"""
 SPAN_A_PLANE = 0.9
 """cosine of the angle between two axes below which they span a plane: of none that models have"""
@@ -60,9 +60,9 @@ class Joint(Entry, Coupling, metaclass=ByType):
     frame_a, frame_b: "BODY.FRAME", "BODY" (its center of mass), or "ground" (where the other frame
     starts). start: values of free coordinates or their rates at t = 0 other than those of the
     starts of the bodies: angle, angle_rate, distance, ...; and of a coordinate that is driven by
-    its acceleration its rate. drawn [rad, m]: what coordinates are where the bodies are placed,
-    from which they are measured; angles are 0 there, and driven ones at their start, unless it says
-    so.
+    its acceleration its rate. reference_coordinates [rad, m]: the values of coordinates where the
+    bodies are placed, from which they are measured; by default an angle is 0 there, and a driven
+    one at its start. Their former name is `drawn`.
     """
 
     label = "joint {name!r}"
@@ -77,7 +77,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
     """coordinates left free: e_k(A) . (r_B - r_A), by name"""
     free_angles: ClassVar[Mapping[str, Angle]] = {}
     side_dependent: ClassVar[bool] = False
-    """its rows are not the same from both sides, or must not be carried by frame B"""
+    """whether its rows differ when the frames are swapped, or frame A must carry them"""
     drive_keys: ClassVar[tuple[DriveKeys, ...]] = ()
     """of the coordinates that it may drive"""
 
@@ -86,7 +86,9 @@ class Joint(Entry, Coupling, metaclass=ByType):
     _: KW_ONLY
     name: Name = ""
     start: NumbersByName = field(default_factory=dict)
-    drawn: NumbersByName = field(default_factory=dict)
+    reference_coordinates: Annotated[NumbersByName, FormerKey("drawn")] = field(
+        default_factory=dict
+    )
 
     @classmethod
     def of_type(
@@ -108,12 +110,17 @@ class Joint(Entry, Coupling, metaclass=ByType):
         return self.tag
 
     @property
+    def drawn(self) -> Mapping[str, float]:
+        """The former name of `reference_coordinates`."""
+        return self.reference_coordinates
+
+    @property
     def between(self) -> tuple[str, str]:
         return self.frame_a, self.frame_b
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """The names of all that it leaves free."""
+        """The names of the coordinates that the joint leaves free."""
         return *self.free_distances, *self.free_angles
 
     def unit(self, coordinate: str) -> str:
@@ -126,8 +133,10 @@ class Joint(Entry, Coupling, metaclass=ByType):
         drives = {}
         for keys in self.drive_keys:
             name, drive = keys.coordinate, drive_of(self, keys)
-            if isinstance(drive, IntegratedDrive) and name in self.drawn:
-                drive = drive.starting_at(self.drawn[name])
+            # An integrated drive starts where the bodies are placed, in the numbers of the
+            # coordinate.
+            if isinstance(drive, IntegratedDrive) and name in self.reference_coordinates:
+                drive = drive.starting_at(self.reference_coordinates[name])
             if drive is not None:
                 drives[name] = drive
         return drives
@@ -137,10 +146,10 @@ class Joint(Entry, Coupling, metaclass=ByType):
         return bool(self.drives)
 
     def drives_from(self, sides: Sides) -> dict[str, SmoothSignal]:
-        """The same between frames at the start: a distance that is integrated starts as it is."""
+        """The drives between frames at the start, where an integrated distance begins."""
         drives = self.drives
         distance = drives.get("distance")
-        if isinstance(distance, IntegratedDrive) and "distance" not in self.drawn:
+        if isinstance(distance, IntegratedDrive) and "distance" not in self.reference_coordinates:
             drives["distance"] = distance.starting_at(self.placed_distance(sides))
         return drives
 
@@ -154,25 +163,28 @@ class Joint(Entry, Coupling, metaclass=ByType):
         """
         grounded = [frame.partition(".")[0] == GROUND for frame in self.between]
         axis = self.axis_in_space
-        if axis is None or self.free_angles.get("angle") != TURN or sum(grounded) != 1:
+        if axis is None or self.free_angles.get("angle") != ANGLE_ABOUT_E3 or sum(grounded) != 1:
             return None
         along = float(axis @ velocity) / float(np.linalg.norm(axis))
+        # The angle is that of the second frame against the first.
         return along if grounded[0] else -along
 
-    def drawn_at(self, coordinate: str, otherwise: float) -> float:
+    def reference_at(self, coordinate: str, otherwise: float) -> float:
         """A coordinate where the bodies are placed, of a driven angle by default its start."""
-        if coordinate in self.drawn:
-            return self.drawn[coordinate]
+        if coordinate in self.reference_coordinates:
+            return self.reference_coordinates[coordinate]
         driven = coordinate in self.free_angles and coordinate in self.drives
         return self.drives[coordinate](0.0) if driven else otherwise
 
     def validate(self) -> None:
         for name in self.start:
             self._check_start(name)
-        for name in self.drawn:
+        for name in self.reference_coordinates:
             if name not in self.coordinates:
                 takes = ", ".join(self.coordinates) or "nothing"
-                raise self.error(f"drawn: a {self.type} joint takes {takes}, got {name!r}")
+                raise self.error(
+                    f"reference_coordinates: a {self.type} joint takes {takes}, got {name!r}"
+                )
 
     def _check_start(self, name: str) -> None:
         coordinates = self.coordinates
@@ -212,53 +224,62 @@ class Joint(Entry, Coupling, metaclass=ByType):
             in_a, in_b = in_b, in_a
         A, B = own.frame_a, own.frame_b
         rows = [Row(Translation.number, A, B, in_a[:, k]) for k in self.translations]
+        # e_i(A) . e_j(B) = 0 rather than angles: it is linear in each rotation, and has no period.
         rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in rotations]
         rows = self.with_friction(rows, in_a, in_b)
         n_table = len(self.translations) + len(self.rotations)
         # Friction reads the multipliers of the table before it, and stands behind all other rows.
         rows[n_table:n_table] = [
-            *self.own_rows(own, in_a, in_b),
+            *self.extra_rows(own, in_a, in_b),
             *self.driven_rows(own, in_a, in_b),
         ]
         return [replace(row, swapped=turned) if turned else row for row in rows]
 
-    def own_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """Constraints that no table makes."""
+    def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+        """Constraints beyond those of its table."""
         return []
 
     def driven_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """The coordinates that follow a signal."""
+        """Rows of the coordinates that follow a signal."""
         drives, rows = self.drives_from(sides), []
         if "distance" in drives:
             row = self.observed(sides)["distance"]
-            rows.append(replace(row, drive=drives["distance"], drawn=self.drawn.get("distance")))
+            rows.append(
+                replace(
+                    row,
+                    drive=drives["distance"],
+                    reference=self.reference_coordinates.get("distance"),
+                )
+            )
         if "angle" in drives:
-            A, B, drawn = sides.frame_a, sides.frame_b, self.drawn.get("angle")
-            rows.append(driven_angle(A, B, in_a, in_b, drives["angle"], drawn))
+            A, B, placed = sides.frame_a, sides.frame_b, self.reference_coordinates.get("angle")
+            rows.append(driven_angle(A, B, in_a, in_b, drives["angle"], placed))
         return rows
 
     def with_friction(self, rows: list[Row], in_a: Array, in_b: Array) -> list[Row]:
-        """The rows of its table, with that of its friction behind them if it has some."""
+        """The rows of its table, followed by the row of friction if it has friction."""
         return rows
 
     def observed(self, sides: Sides) -> dict[str, Row]:
-        """The coordinates that it leaves free or drives, by name."""
+        """The rows of the coordinates that the joint leaves free or drives, by name."""
         basis = self.basis(sides.pose_a.R)
         in_a, in_b = sides.carried(basis)
         gap = sides.gap(basis)
         rows = {}
         for name, k in self.free_distances.items():
-            start = self.drawn_at(name, float(gap[k]))
-            zero = float(gap[k]) - start if name in self.drawn else 0.0
+            start = self.reference_at(name, float(gap[k]))
+            zero = float(gap[k]) - start if name in self.reference_coordinates else 0.0
             A, B = sides.frame_a, sides.frame_b
             rows[name] = Row(Translation.number, A, B, in_a[:, k], start=start, zero=zero)
         for name, angle in self.free_angles.items():
-            start = self.drawn_at(name, 0.0)
+            # Angles are not read off the frames: only their change from the start is defined
+            # without a period.
+            start = self.reference_at(name, 0.0)
             axes, other, A, B = in_a, in_b, sides.frame_a, sides.frame_b
             if angle.by_b:
                 axes, other, A, B = other, axes, B, A
             b, zero = other[:, angle.i], -start
-            if angle == TURN:
+            if angle == ANGLE_ABOUT_E3:
                 # at the start e_j is e_i turned towards e_k by the starting angle
                 b, zero = np.cos(start) * b + np.sin(start) * other[:, angle.k], 0.0
             row = Row(AngleRow.number, A, B, axes[:, angle.i], axes[:, angle.k], b, start=start)
@@ -274,7 +295,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
         opening = [gap[k] for k in self.translations]
         start = ""
         drive = self.drives_from(sides).get("distance")
-        if drive is not None and "distance" not in self.drawn:
+        if drive is not None and "distance" not in self.reference_coordinates:
             distance = drive(0.0)
             opening.append(self.placed_distance(sides) - distance)
             start = f", the distance starts at {distance:.6g}"
@@ -288,7 +309,7 @@ class Joint(Entry, Coupling, metaclass=ByType):
             )
 
     def given_angles(self) -> Iterator[tuple[str, Any]]:
-        for table in ("start", "drawn"):
+        for table in ("start", "reference_coordinates"):
             for coordinate, value in getattr(self, table).items():
                 if coordinate in self.free_angles:
                     yield f"{table}.{coordinate}", value
@@ -322,7 +343,7 @@ class DrivesAngle(Joint):
     [rad/s^2]; the angle then starts where the bodies are placed.
     """
 
-    drive_keys: ClassVar[tuple[DriveKeys, ...]] = (DriveKeys("angle", *ANGULAR),)
+    drive_keys: ClassVar[tuple[DriveKeys, ...]] = (DriveKeys("angle", *ANGULAR_RATES),)
 
     angle: DrivingSignal | None = None
     angular_velocity: AnySignal | None = None
@@ -337,7 +358,7 @@ class DrivesDistance(Joint):
     distance then starts where the bodies are placed.
     """
 
-    drive_keys: ClassVar[tuple[DriveKeys, ...]] = (DriveKeys("distance", *LINEAR),)
+    drive_keys: ClassVar[tuple[DriveKeys, ...]] = (DriveKeys("distance", *LINEAR_RATES),)
 
     distance: DrivingSignal | None = None
     velocity: AnySignal | None = None
@@ -386,6 +407,7 @@ class HasFriction(Joint):
         joint's coordinate: times the radius of a revolute joint.
         """
         arm = friction.radius or 1.0
+        # A moment M across the axis loads two bearings, width apart, with M / width each.
         bearings = 2.0 * arm / friction.width if friction.width else 0.0
         forces = [(arm, 1 if k == 2 else 0) for k in self.translations]
         # a moment about e3 of a prismatic joint turns what those across e3 tilt
@@ -400,19 +422,21 @@ class SideDependent(Joint):
 
     def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
         causes = super().loaded_by_moments(rows)
+        # The reaction acts at the second origin, away from the frame that carries the axis.
         return causes or {side_names(self)[0]: f"{self.described}, whose axis it carries"}
 
 
 def driven_angle(
-    A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal, drawn: float | None = None
+    A: int, B: int, in_a: Array, in_b: Array, angle: SmoothSignal, reference: float | None = None
 ) -> Row:
     """The row of a driven angle: e1(A), turned about e3 by the signal, stays across an axis of B.
 
     That axis is e2 turned by minus the angle where the bodies are placed, by default angle(0).
     """
-    start = angle(0.0) if drawn is None else drawn
+    # Placed so, the row is zero at the start, and no jump of the drive loads the joint.
+    start = angle(0.0) if reference is None else reference
     e2 = np.cos(start) * in_b[:, 1] - np.sin(start) * in_b[:, 0]
-    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle, drawn=drawn)
+    return Row(Rotation.number, A, B, in_a[:, 0], in_a[:, 1], e2, drive=angle, reference=reference)
 
 
 def basis_about(axis: Array, D: Array) -> Array:
@@ -430,8 +454,10 @@ def _basis_about(axis: tuple[float, ...], x: tuple[float, ...], y: tuple[float, 
     e3, e1 = np.array(axis), np.array(x)
     if abs(e3 @ e1) > SPAN_A_PLANE:
         e1 = np.array(y)
+    # One step of Gram-Schmidt; the choice above keeps the difference far from zero.
     e1 = e1 - e3 * (e3 @ e1)
     e1 = e1 / np.linalg.norm(e1)
     basis = np.column_stack([e1, np.cross(e3, e1), e3])
+    # The cache hands the same array to all joints about this axis.
     basis.flags.writeable = False
     return basis

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import entry
 from ..schema.forms import Kinds
-from ..schema.values import ABSENT, Direction, NotZero, OptionalDirection
+from ..schema.values import NO_ARRAY, Direction, NotZero, OptionalDirection
 from ..signals.attitude import Attitude, Attitudes
 from ..signals.curves import Input
 from ..signals.signal import DrivingSignal, SmoothSignal, is_any
@@ -18,11 +18,11 @@ from ..step.rows import Attitude as AttitudeRow
 from .coupling import length_of
 from .joint import (
     ABOUT_E3,
-    ALL,
+    ALL_TRANSLATIONS,
+    ANGLE_ABOUT_E3,
     DRIVES_BOTH,
     NO_ROTATION,
     SPAN_A_PLANE,
-    TURN,
     Angle,
     DrivesAngle,
     DrivesDistance,
@@ -40,9 +40,9 @@ JOINTS = Kinds()
 @JOINTS.in_files("fixed")
 @entry()
 class Fixed(Joint):
-    """A joint that lets nothing move."""
+    """A joint that fixes two frames to each other."""
 
-    translations: ClassVar = ALL
+    translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = NO_ROTATION
 
 
@@ -55,7 +55,7 @@ class Spherical(Joint):
     (solver/signals/attitude.py).
     """
 
-    translations: ClassVar = ALL
+    translations: ClassVar = ALL_TRANSLATIONS
 
     rotation_vector: Attitudes = None
     cardan_angles: Attitudes = None
@@ -83,6 +83,7 @@ class Spherical(Joint):
         in_a, in_b = sides.carried(basis)
         if self.attitude is not None:
             R, _, _ = self.attitude.rotation(0.0)
+            # The bodies are placed as R(0) has them: axes of B are turned back by it.
             in_b = in_b @ R
         return in_a, in_b
 
@@ -92,7 +93,9 @@ class Spherical(Joint):
             return []
         A, B, axis = sides.frame_a, sides.frame_b, self.attitude.axis
         return [
-            Row(AttitudeRow.number, A, B, b=in_b[:, j], axis=axis(i, in_a)) for i, j in NO_ROTATION
+            # Against R(t) these are the rows of a fixed joint: no attitude is singular for them.
+            Row(AttitudeRow.number, A, B, b=in_b[:, j], axis=axis(i, in_a))
+            for i, j in NO_ROTATION
         ]
 
 
@@ -101,9 +104,9 @@ class Spherical(Joint):
 class Revolute(HasFriction, DrivesAngle, JointWithAxis):
     """A hinge about `axis` (3,), in space at the start; its coordinate is `angle` [rad]."""
 
-    translations: ClassVar = ALL
+    translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = ABOUT_E3
-    free_angles: ClassVar = {"angle": TURN}
+    free_angles: ClassVar = {"angle": ANGLE_ABOUT_E3}
 
     def validate(self) -> None:
         super().validate()
@@ -128,7 +131,7 @@ class Universal(DrivesAngle, JointWithAxis):
     each may follow a signal.
     """
 
-    translations: ClassVar = ALL
+    translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = ((0, 1),)
     free_angles: ClassVar = {"angle": Angle(1, 2, 1), "second_angle": Angle(0, 2, 0, by_b=True)}
 
@@ -152,12 +155,13 @@ class Universal(DrivesAngle, JointWithAxis):
         return np.column_stack([first, second, np.cross(first, second)])
 
     def driven_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        """All from the first frame."""
+        """The driven angles, both seen from the first frame."""
         rows, driven = self.observed(sides), []
         for name, drive in self.drives.items():
-            row = replace(rows[name], drive=drive, drawn=self.drawn.get(name))
+            row = replace(rows[name], drive=drive, reference=self.reference_coordinates.get(name))
             if self.free_angles[name].by_b:
                 A, B = sides.frame_a, sides.frame_b
+                # Seen from B, but the rows of one coupling have the same first frame.
                 row = replace(row, kind=AngleOfA.number, frame_a=A, frame_b=B)
             driven.append(row)
         return driven
@@ -174,7 +178,7 @@ class Cylindrical(DrivesAngle, DrivesDistance, JointWithAxis):
     translations: ClassVar = (0, 1)
     rotations: ClassVar = ABOUT_E3
     free_distances: ClassVar = {"distance": 2}
-    free_angles: ClassVar = {"angle": TURN}
+    free_angles: ClassVar = {"angle": ANGLE_ABOUT_E3}
     drive_keys: ClassVar = DRIVES_BOTH
 
 
@@ -209,7 +213,7 @@ class Planar(JointWithAxis):
     translations: ClassVar = (2,)
     rotations: ClassVar = ABOUT_E3
     free_distances: ClassVar = {"distance": 0, "second_distance": 1}
-    free_angles: ClassVar = {"angle": TURN}
+    free_angles: ClassVar = {"angle": ANGLE_ABOUT_E3}
 
 
 @JOINTS.in_files("rod")
@@ -225,7 +229,7 @@ class Rod(DrivesDistance):
     def placed_distance(self, sides: Sides) -> float:
         return float(np.linalg.norm(sides.gap(self.basis(sides.pose_a.R))))
 
-    def own_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+    def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
         length, A, B = length_of(self, sides), sides.frame_a, sides.frame_b
         if drive := self.drives_from(sides).get("distance"):
             return [Row(Distance.number, A, B, drive=drive, start=length)]
@@ -246,7 +250,7 @@ class Screw(DrivesAngle, DrivesDistance, JointWithAxis):
     translations: ClassVar = (0, 1)
     rotations: ClassVar = ABOUT_E3
     free_distances: ClassVar = {"distance": 2}
-    free_angles: ClassVar = {"angle": TURN}
+    free_angles: ClassVar = {"angle": ANGLE_ABOUT_E3}
     drive_keys: ClassVar = DRIVES_BOTH
     side_dependent: ClassVar[bool] = True
 
@@ -257,19 +261,19 @@ class Screw(DrivesAngle, DrivesDistance, JointWithAxis):
         if len(self.drives) > 1:
             raise self.error("a screw is driven by angle or distance, got both")
 
-    def own_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+    def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
         rows = self.observed(sides)
         distance, angle, ratio = rows["distance"], rows["angle"], -self.lead / (2.0 * np.pi)
         offset = distance.start + ratio * angle.start
         # The nut keeps its place on the thread where the bodies are placed.
         distance = replace(distance, zero=distance.zero + offset, start=distance.start - offset)
-        return [replace(distance, terms=(Term(angle, ratio, own=True),))]
+        return [replace(distance, terms=(Term(angle, ratio, same_frames=True),))]
 
 
 @JOINTS.in_files("constant_velocity")
 @entry()
 class ConstantVelocity(JointWithAxis):
-    """A joint that hands on the rotation of a shaft without a change of speed.
+    """A joint that transmits the rotation of a shaft without a change of speed.
 
         e_1(A) . e_2(B) - e_2(A) . e_1(B) = 0
 
@@ -277,11 +281,11 @@ class ConstantVelocity(JointWithAxis):
     shaft of the first frame, and of the second unless second_axis says so; in space at the start.
     """
 
-    translations: ClassVar = ALL
+    translations: ClassVar = ALL_TRANSLATIONS
     side_dependent: ClassVar[bool] = True
     has_branches: ClassVar[bool] = True
 
-    second_axis: OptionalDirection = ABSENT
+    second_axis: OptionalDirection = NO_ARRAY
 
     def validate(self) -> None:
         super().validate()
@@ -296,11 +300,12 @@ class ConstantVelocity(JointWithAxis):
         in_a, _ = sides.carried(basis)
         return in_a, sides.pose_b.R.T @ bent(basis, self.second_axis)
 
-    def own_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+    def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
         A, B = sides.frame_a, sides.frame_b
+        # With R_ij = e_i(A) . e_j(B), R_12 - R_21 is the part of the axis of rotation along e3.
         across = Row(Rotation.number, A, B, in_a[:, 1], b=in_b[:, 0])
         rows_12 = Row(Rotation.number, A, B, in_a[:, 0], b=in_b[:, 1])
-        return [replace(rows_12, terms=(Term(across, -1.0, own=True),))]
+        return [replace(rows_12, terms=(Term(across, -1.0, same_frames=True),))]
 
 
 @JOINTS.in_files("point_on_line")
@@ -333,6 +338,8 @@ def bent(basis: Array, second_axis: Array | None) -> Array:
     if second_axis is None:
         return basis
     e3 = basis[:, 2]
+    # Two half turns, about e3 and about the bisector, are the shortest rotation from e3 to the
+    # second axis.
     middle = (e3 + second_axis) / np.linalg.norm(e3 + second_axis)
     half_turn = np.outer(middle, 2.0 * middle) - np.eye(3)
     turned: Array = half_turn @ (np.outer(e3, 2.0 * e3) - np.eye(3)) @ basis

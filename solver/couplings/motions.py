@@ -9,12 +9,12 @@ import numpy as np
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import ABSENT, Direction, FrameName, Name, NumbersByName
+from ..schema.values import NO_ARRAY, Direction, FrameName, Name, NumbersByName
 from ..signals.composed import OptionalParts
 from ..signals.curves import Input
 from ..signals.drives import (
-    ANGULAR,
-    LINEAR,
+    ANGULAR_RATES,
+    LINEAR_RATES,
     DriveKeys,
     IntegratedDrive,
     angle_at_rate,
@@ -29,10 +29,10 @@ from .coupling import GROUND, Coupling
 from .joint import ABOUT_E3, basis_about, driven_angle
 from .rows import Row, Sides
 
-ROUNDING = 1e-12
-"""value at t = 0, relative to those at some later times, that counts as none"""
-TIMES = tuple(10.0**k for k in range(-6, 1))
-"""[s]"""
+# Relative to the values at `PROBE_TIMES`: sums of sines that cancel at t = 0 leave rounding.
+NEGLIGIBLE_START = 1e-12
+# [s], from microseconds to a second: the scale of a signal whose duration is unknown
+PROBE_TIMES = tuple(10.0**k for k in range(-6, 1))
 
 
 class PrescribedMotion(Entry, Coupling):
@@ -61,8 +61,9 @@ class PrescribedMotion(Entry, Coupling):
         return GROUND, self.on
 
     def turned_at(self, velocity: Array, moves: Callable[[Any], bool]) -> "PrescribedMotion":
-        """It with a drive that follows a steady angular velocity (3,) in space [rad/s], where its
-        own drive is one about an axis that moves with time.
+        """This motion at a steady angular velocity (3,) in space [rad/s].
+
+        It is unchanged unless its drive turns about an axis and moves with time.
         """
         return self
 
@@ -83,7 +84,7 @@ class PrescribedDisplacement(PrescribedMotion):
     `acceleration` may be given; start: {"displacement_rate": ...} with the latter.
     """
 
-    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR)
+    keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR_RATES)
     unit: ClassVar[str] = "m"
 
     name: Name
@@ -108,6 +109,7 @@ class PrescribedDisplacement(PrescribedMotion):
     def rows(self, sides: Sequence[Sides]) -> list[Row]:
         """A translation along the direction."""
         (own,) = sides
+        # Frame A is the ground at the start of frame B: the direction stays fixed in space.
         along = own.pose_a.R.T @ self.direction
         return [Row(Translation.number, own.frame_a, own.frame_b, along, drive=self.drive)]
 
@@ -124,7 +126,7 @@ class PrescribedRotation(PrescribedMotion):
     the latter.
     """
 
-    keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR)
+    keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR_RATES)
     unit: ClassVar[str] = "rad"
 
     name: Name
@@ -180,9 +182,9 @@ class PrescribedOrientation(PrescribedMotion):
 
     name: Name
     on: FrameName
-    angles: OptionalParts = ABSENT
-    angular_velocities: OptionalParts = ABSENT
-    angular_accelerations: OptionalParts = ABSENT
+    angles: OptionalParts = NO_ARRAY
+    angular_velocities: OptionalParts = NO_ARRAY
+    angular_accelerations: OptionalParts = NO_ARRAY
     start: ClassVar[Mapping[str, float]] = {}
 
     def validate(self) -> None:
@@ -252,8 +254,11 @@ def _check(motion: PrescribedDisplacement | PrescribedRotation) -> None:
 
 
 def _check_from_rest(name: str, signal: SmoothSignal) -> None:
-    if (start := signal(0.0)) != 0.0 and abs(start) > ROUNDING * max(map(abs, map(signal, TIMES))):
+    # An offset would be a jump from the place of the frame at the first step.
+    if (start := signal(0.0)) != 0.0 and abs(start) > NEGLIGIBLE_START * max(
+        map(abs, map(signal, PROBE_TIMES))
+    ):
         raise ModelError(
-            f"{name}: expected 0 at t = 0, got {start:.6g}: it counts from where the frame starts; "
-            f"an offset of {-start:.6g} would make it so"
+            f"{name}: expected 0 at t = 0, got {start:.6g}: it is measured from where the frame "
+            f"starts; add an offset of {-start:.6g}"
         )

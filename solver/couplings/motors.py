@@ -9,7 +9,7 @@ import numpy as np
 
 from ...inputs import expected
 from ..arrays import Array
-from ..schema.entry import Entry, Takes, entry
+from ..schema.entry import Entry, FieldSpec, entry
 from ..schema.values import Infinite, JointName, Name, NotNegative, Positive, PositiveTime, limits
 from ..signals.curves import Constant, Input
 from ..signals.signal import AnySignal, Pointwise, Signal, derivatives_of, is_smooth, values_of
@@ -17,11 +17,12 @@ from .joint import Joint
 from .on_coordinate import OnCoordinate
 from .rows import Row, Sides
 
-NONE = Constant(0.0)
+NO_SIGNAL = Constant(0.0)
 
 
 def _store_bounds(value: Any) -> tuple[float, float]:
     """A lower and a higher number; one positive number stands for both."""
+    # One number bounds both directions.
     lower, upper = value if isinstance(value, Sequence | np.ndarray) else (-value, value)
     return limits((lower, upper))
 
@@ -34,7 +35,7 @@ def _bounds_in_file(bounds: tuple[float, float]) -> Any:
 _BOUNDS = "a positive number, or a lower and a higher one, of which one may be infinite"
 Bounds = Annotated[
     tuple[float, float],
-    Takes(
+    FieldSpec(
         _BOUNDS,
         _store_bounds,
         Annotated[float | tuple[Infinite, Infinite], expected(_BOUNDS)],
@@ -88,11 +89,12 @@ class Motor(Entry):
 
     @property
     def signals(self) -> tuple[Signal, Signal, Signal]:
-        """What it gives without an error, its reference, and the rate of that."""
-        feedforward, reference = self.torque or self.force or NONE, self.reference or NONE
+        """The feedforward torque or force, the reference, and the rate of the reference."""
+        feedforward, reference = self.torque or self.force or NO_SIGNAL, self.reference or NO_SIGNAL
         rate = self.reference_rate
+        # An input is known step by step: its rate is not.
         if isinstance(reference, Input) or not is_smooth(reference):
-            return feedforward, reference, rate or NONE
+            return feedforward, reference, rate or NO_SIGNAL
         return feedforward, Values(reference), rate or Rate(reference)
 
     @property
@@ -103,6 +105,8 @@ class Motor(Entry):
         if self.tracking_time is not None:
             return 1.0 / self.tracking_time
         if self.damping > 0.0:
+            # Astrom's rule for anti-windup, sqrt(T_i T_d) with T_i = stiffness / integral, T_d =
+            # damping / stiffness.
             return math.sqrt(self.integral / self.damping)
         return self.integral / self.stiffness
 
@@ -133,6 +137,7 @@ class Motor(Entry):
             if self.limit is None:
                 raise self.error("speed: needs limit, found none")
             lower, upper = self.limit
+            # The line from the limit at rest to zero at `speed` needs both ends.
             if not -math.inf < lower <= 0.0 <= upper < math.inf:
                 raise self.error(f"speed: needs a limit on both sides of 0, got {[lower, upper]}")
         winds_up = self.integral > 0.0 and self.limit is not None

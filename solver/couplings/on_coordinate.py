@@ -1,4 +1,4 @@
-"""What acts on a coordinate of a joint, as stops and motors do."""
+"""Couplings that act on a coordinate of a joint: stops and motors."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ class OnCoordinate(Coupling):
 
     @classmethod
     def of(cls, part: Any, joints: Mapping[str, Joint]) -> Any:
-        """It among joints by name; `ModelError` for one that is not there."""
+        """The part with its joint, found by name; `ModelError` for an unknown joint."""
         if part.joint not in joints:
             known = ", ".join(joints) or "none"
             raise part.error(f"joint: no joint {part.joint!r}; there are: {known}")
@@ -86,7 +86,9 @@ class OnCoordinate(Coupling):
         return error
 
     def row(self, sides: Sequence[Sides]) -> Row:
-        """That of the coordinate."""
+        """The row of the coordinate."""
         (own,) = sides
         row = self.joint.observed(own)[self.coordinate]
+        # A coordinate seen from B has its signs from there: forces are recorded on the side of the
+        # joint.
         return replace(row, swapped=row.frame_a != own.frame_a)

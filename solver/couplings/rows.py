@@ -48,6 +48,7 @@ class Sides:
     """frame A is fixed in space"""
 
     def swapped(self) -> "Sides":
+        # `fixed_a` is dropped: once swapped, frame A is that of the body.
         return Sides(self.frame_b, self.frame_a, self.pose_b, self.pose_a)
 
     def carried(self, basis: Array) -> tuple[Array, Array]:
@@ -61,7 +62,7 @@ class Sides:
 
 
 class Servo(Protocol):
-    """What drives a coordinate towards a reference, as a motor does."""
+    """The gains and limits of a motor that drives a coordinate towards a reference."""
 
     @property
     def stiffness(self) -> float: ...
@@ -110,7 +111,7 @@ class Row:
     """what the coordinate is measured from"""
     axis: tuple[SmoothSignal, ...] = ()
     """the components of a, of a row of an attitude"""
-    drawn: float | None = None
+    reference: float | None = None
     """the coordinate where the bodies are placed, of a driven one unless it is the drive's start"""
     terms: tuple["Term", ...] = ()
 
@@ -120,7 +121,7 @@ class Row:
 
     @property
     def compliant(self) -> bool:
-        """Obeys a law, and is no constraint."""
+        """Whether the row obeys a force law, and is not a constraint."""
         follows_law = self.stiffness is not None or bool(self.laws) or self.motor is not None
         return follows_law or self.has_friction
 
@@ -131,5 +132,5 @@ class Term:
 
     row: Row
     ratio: float
-    own: bool = False
+    same_frames: bool = False
     """between the frames of the coupling itself"""

@@ -23,7 +23,7 @@ from ..errors import plain
 from ..laws.law import AnyLaws, ForceLaw, laws_of
 from ..schema.entry import Entry, entry, one_of
 from ..schema.values import (
-    ABSENT,
+    NO_ARRAY,
     Coefficients,
     Name,
     OptionalArray,
@@ -37,9 +37,9 @@ from .coupling import Coupling, length_of
 from .joint import Angle, basis_about
 from .rows import Row, Sides
 
-AXES = ("x", "y", "z", "rx", "ry", "rz")
+BUSHING_AXES = ("x", "y", "z", "rx", "ry", "rz")
 """the coordinates of a bushing"""
-ZERO: Any = 0.0
+NO_COEFFICIENT: Any = 0.0
 """the default of stiffness and damping"""
 
 
@@ -90,12 +90,12 @@ class Spring(Entry, Coupling):
     name: Name
     type: Annotated[str, one_of(SPRING_TYPES)]
     between: Pair
-    axis: OptionalDirection = ABSENT
-    stiffness: Coefficients = ZERO
-    damping: Coefficients = ZERO
+    axis: OptionalDirection = NO_ARRAY
+    stiffness: Coefficients = NO_COEFFICIENT
+    damping: Coefficients = NO_COEFFICIENT
     law: AnyLaws | None = None
-    rest: OptionalArray = ABSENT
-    second_axis: OptionalDirection = ABSENT
+    rest: OptionalArray = NO_ARRAY
+    second_axis: OptionalDirection = NO_ARRAY
 
     @property
     def kind(self) -> SpringType:
@@ -114,9 +114,11 @@ class Spring(Entry, Coupling):
         self._check_law()
         if self.rest is not None and self.rest.shape != (self.n_rows,):
             raise self.error(f"rest: expected {self.n_rows} numbers, got {plain(self.rest)}")
+        # From here on both are matrices (n, n), whatever form a user gave.
         object.__setattr__(self, "stiffness", self._matrix("stiffness", self.stiffness))
         object.__setattr__(self, "damping", self._matrix("damping", self.damping))
         lowest = np.linalg.eigvalsh(self.damping)[0]
+        # Semidefinite matrices have eigenvalues of rounding of either sign.
         if lowest < -1e-9 * np.abs(self.damping).max():
             limit = "no negative eigenvalue, which would create energy"
             limit = "zero or more" if self.n_rows == 1 else limit
@@ -124,10 +126,10 @@ class Spring(Entry, Coupling):
 
     @property
     def laws_of_rows(self) -> Sequence[tuple[ForceLaw, ...]]:
-        """The force laws of each row alone."""
+        """The force laws of each row."""
         if not isinstance(self.law, Mapping):
             return [laws_of(self.law)] * self.n_rows
-        return [laws_of(self.law.get(axis)) for axis in AXES]
+        return [laws_of(self.law.get(axis)) for axis in BUSHING_AXES]
 
     def _check_law(self) -> None:
         if self.law is None:
@@ -136,17 +138,19 @@ class Spring(Entry, Coupling):
         if self.n_rows == 1 and axes is not None:
             raise self.error(f"law: a {self.type} spring has one coordinate, got laws by axis")
         if self.n_rows > 1 and axes is None:
-            raise self.error(f"law: a {self.type} takes laws by axis: {', '.join(AXES)}")
+            raise self.error(f"law: a {self.type} takes laws by axis: {', '.join(BUSHING_AXES)}")
         for axis in axes or ():
-            if axis not in AXES:
-                raise self.error(f"law: expected axes {', '.join(AXES)}, got {dotted([axis])}")
+            if axis not in BUSHING_AXES:
+                raise self.error(
+                    f"law: expected axes {', '.join(BUSHING_AXES)}, got {dotted([axis])}"
+                )
 
     @property
     def axis_in_space(self) -> Array | None:
         return self.axis
 
     def rows(self, sides: Sequence[Sides]) -> list[Row]:
-        """Its coordinates with their laws."""
+        """One row for each coordinate of the spring, with its law."""
         (own,) = sides
         kind, basis = self.kind, self.basis(own.pose_a.R)
         in_a, in_b = own.carried(basis)
@@ -154,6 +158,7 @@ class Spring(Entry, Coupling):
         gap = own.gap(basis)
         rows = []
         if kind.distance:
+            # The order of rows is that of the six coefficients: distances first, then angles.
             rows.append(Row(Distance.number, A, B, start=length_of(self, own)))
         rows += [
             Row(Translation.number, A, B, in_a[:, k], start=float(gap[k]))
@@ -164,6 +169,7 @@ class Spring(Entry, Coupling):
             for t in kind.angles
         ]
         rows += [Row(Rotation.number, A, B, in_a[:, i], b=in_b[:, j]) for i, j in kind.rotations]
+        # Without a rest a spring is free of force where the model starts.
         rest = np.array([row.start for row in rows]) if self.rest is None else self.rest
         return [
             replace(
@@ -206,6 +212,7 @@ class Spring(Entry, Coupling):
         """Coefficients (n, n): of the diagonal if there are n; no number but 0 stands for six."""
         n = self.n_rows
         diagonal = values.ravel() if values.size == 1 and n == 1 else values
+        # Only zero stands for six coefficients: a stiffness [N/m] has no meaning for rotations.
         if values.size == 1 and not values.any():
             diagonal = np.zeros(n)
         matrix = np.diag(diagonal) if diagonal.shape == (n,) else values

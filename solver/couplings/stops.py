@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
-from ..schema.entry import Beside, Entry, entry
+from ..schema.entry import Entry, Flattened, entry
 from ..schema.values import JointName, Limits, Name
 from .impact import Impact
 from .joint import Joint
@@ -27,7 +27,7 @@ class Stop(Entry):
     joint: JointName
     coordinate: str
     range: Limits
-    impact: Annotated[Impact, Beside()] = field(default_factory=Impact)
+    impact: Annotated[Impact, Flattened()] = field(default_factory=Impact)
 
     def validate(self) -> None:
         if (self.impact.stiffness is None) == (self.impact.law is None):

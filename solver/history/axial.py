@@ -43,19 +43,19 @@ import numpy as np
 from ...superelement import Interface, Superelement
 from ..arrays import Array, as_index
 from ..model.bodies import FlexibleBody
-from ..step.system import AxialForces
+from ..step.records.elastic import AxialForces
 from .packing import packed
 
 TURN_OF_END = 13.0 / 35.0
 """EI / L by which a unit moment at the end of a free uniform bar turns that"""
 FREE_BAR = 22.373**2
 """omega^2 m L^3 / EI of the first bending mode of a free uniform bar"""
-DIRECTIONS = 3
-"""that are looked at in each body, the softest first"""
-MOST = 40
-"""interfaces of a body whose pairs are looked at"""
-PARALLEL = 0.9
-"""cosine of two lines from which on the softer one stands for both"""
+# in each body, the softest first
+AXIAL_DIRECTIONS = 3
+# pairs grow with the square
+MAX_AXIAL_INTERFACES = 40
+# of two lines from which on the softer one stands for both
+PARALLEL_COSINE = 0.9
 
 
 def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
@@ -118,18 +118,23 @@ def _lines_between(
     rotations = (rows[:, None] + np.arange(3)).ravel()
     n = len(turning)
     C = element.compliance[np.ix_(rotations, rotations)].reshape(n, 3, n, 3).transpose(0, 2, 1, 3)
+    # The 3 x 3 blocks on the diagonal.
     own = np.einsum("iiab->iab", C)
     i, j = np.triu_indices(n, 1)
     apart = points[j] - points[i]
     length = np.linalg.norm(apart, axis=1)
     distinct = length > 1e-6 * element.size
     i, j, e = i[distinct], j[distinct], apart[distinct] / length[distinct, None]
+    # How far opposite unit moments at both ends turn these against each other.
     relative = own[i] + own[j] - C[i, j] - C[j, i]
     across = np.eye(3) - e[:, :, None] * e[:, None, :]
     softness = np.linalg.eigvalsh(across @ relative @ across)[:, -1] / np.pi**2
     chosen: list[Array] = []
+    # Directions that are nearly parallel tell the same: the softest stands for them.
     for k in np.argsort(-softness):
-        if len(chosen) < DIRECTIONS and all(abs(e[k] @ other) < PARALLEL for other in chosen):
+        if len(chosen) < AXIAL_DIRECTIONS and all(
+            abs(e[k] @ other) < PARALLEL_COSINE for other in chosen
+        ):
             chosen.append(e[k])
             yield e[k], float(softness[k])
 
@@ -147,12 +152,12 @@ def _line_from(element: Superelement, end: Interface) -> Iterator[tuple[Array, f
 
 
 def _far_apart(interfaces: list[Interface]) -> list[Interface]:
-    """At most `MOST` of them, each the farthest from those before it."""
-    if len(interfaces) <= MOST:
+    """At most `MAX_AXIAL_INTERFACES` of them, each the farthest from those before it."""
+    if len(interfaces) <= MAX_AXIAL_INTERFACES:
         return interfaces
     points = np.array([interface.X for interface in interfaces])
     chosen, distance = [], np.linalg.norm(points, axis=1)
-    for _ in range(MOST):
+    for _ in range(MAX_AXIAL_INTERFACES):
         chosen.append(int(distance.argmax()))
         distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
     return [interfaces[i] for i in chosen]

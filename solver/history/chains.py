@@ -7,7 +7,7 @@ import numpy as np
 from ...superelement import Chain
 from ...superelement.chain import Springs
 from ..arrays import Array, as_index
-from ..step.system import Chains
+from ..step.records.elastic import Chains
 
 
 def elements_of(chain: Chain | None) -> int:

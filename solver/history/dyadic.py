@@ -1,6 +1,6 @@
 """Convolution of past loads by FFT in dyadic blocks, each as soon as it is complete.
 
-    after step n, with b = BLOCK 2^l the largest that divides n:   for i = 1 .. b
+    after step n, with b = DIRECT_STEPS 2^l the largest that divides n:   for i = 1 .. b
         ahead[n + i] += sum_{j = n-b+1..n} g[n + i - j] p_j
 
 Together with the sum over the present block, which the time loop takes, these squares tile all
@@ -18,12 +18,13 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
-from ..step.system import Elastic, State
+from ..step.records.elastic import Elastic
+from ..step.system import State
 
 Complex: TypeAlias = NDArray[np.complex128]
 
-BLOCK = 128
-"""steps whose loads the time loop sums directly: about where the sum costs as much as the FFT"""
+# steps whose loads the time loop sums directly: about where the sum costs as much as the FFT
+DIRECT_STEPS = 128
 
 
 class Window:
@@ -43,6 +44,7 @@ class Window:
         """Drop the older half if step n has filled the window."""
         if n - state.past.first[0] == 2 * self.span:
             for rows in (state.past.p, state.past.u_ahead):
+                # Halving makes shifts rare: each load is copied once at most.
                 rows[:, : self.span + 1] = rows[:, self.span : 2 * self.span + 1]
                 rows[:, self.span + 1 :] = 0.0
             state.past.first[0] += self.span
@@ -60,7 +62,7 @@ class DyadicConvolution:
     def steps_until_due(self, step: int, n: int) -> int:
         """The number of steps, up to n, that may follow `step` before `update` is due."""
         if self._by_fft:
-            n = min(n, BLOCK - step % BLOCK)
+            n = min(n, DIRECT_STEPS - step % DIRECT_STEPS)
         elif self._elastic.kernels.lags.any():
             n = min(n, self._window.span - step % self._window.span)
         return n
@@ -69,8 +71,9 @@ class DyadicConvolution:
         """Convolve the loads up to the last step, and drop those older than the kernels."""
         n = int(state.step[0])
         self._window.shift(n, state)
-        if n > 0 and n % BLOCK == 0:
+        if n > 0 and n % DIRECT_STEPS == 0:
             for e in self._by_fft:
+                # n & -n is the largest power of two that divides n.
                 block = min(n & -n, power_above(int(self._elastic.kernels.lags[e])))
                 self._convolve(e, n, block, state)
                 state.past.since[e] = n + 1
@@ -80,10 +83,12 @@ class DyadicConvolution:
         loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         now = n - int(state.past.first[0])
+        # Twice the block: padding with zeros keeps the cyclic convolution from wrapping around.
         loads = fft.rfft(state.past.p[loaded, now - block + 1 : now + 1], 2 * block)
         columns = self._spectrum(e, block)[:, loaded - dofs.start]
         response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
         ahead = state.past.u_ahead[dofs, now + 1 : now + 1 + block]
+        # At the end of the window fewer steps are left than a block has.
         ahead += response[:, : ahead.shape[1]]
 
     def _spectrum(self, e: int, block: int) -> Complex:
@@ -99,7 +104,7 @@ class DyadicConvolution:
 
 def power_above(lags: int) -> int:
     """The smallest block of at least so many lags."""
-    block = BLOCK
+    block = DIRECT_STEPS
     while block < lags:
         block *= 2
     return block

@@ -12,7 +12,8 @@ from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..model.settings import Settings
-from ..step.system import Elastic, Frames, Kernels, Modes
+from ..step.records.elastic import Elastic, Kernels, Modes
+from ..step.records.frames import Frames
 from .axial import lay_out_axial
 from .chains import elements_of, hardening_of, lay_out_chains
 from .cost import cheapest_history
@@ -21,10 +22,10 @@ from .packing import packed
 from .second_order import lay_out_second_order, lengths_of
 from .truncation import truncate, truncation_error
 
-LONGEST = 1e15
-"""steps of a kernel that anybody may ask for"""
-COPIES = 3
-"""of a kernel in memory while it is laid out"""
+# beyond, integers of 8 bytes might overflow before memory is compared with what is there
+MAX_KERNEL_STEPS = 1e15
+# in memory while it is laid out
+KERNEL_COPIES = 3
 LARGEST_TRUNCATION = 0.1
 """relative error of a kernel that is cut off; with a larger one, motions can gain energy"""
 
@@ -103,6 +104,8 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
     loaded_patterns = [patterns[load.owner_of_pattern] for load in model.pattern_loads]
     loaded = distinct(np.concatenate([active, as_index(loaded_patterns)])).astype(np.int64)
     loaded_range = np.searchsorted(loaded, dofs)
+    # Ids are even addresses: bodies that use terms of second order and bodies that do not differ by
+    # one.
     owners = [id(body.superelement) + (body.rotation is None) for body in bodies.values()]
     histories = _histories(model, owners, np.diff(loaded_range).tolist(), stepping)
     G_0, G_0_start = packed([history.G_0 for history in histories], owners)
@@ -153,6 +156,7 @@ def _histories(
     """The history of every flexible body; those with the same superelement share one."""
     most_active: dict[int, int] = {}
     for owner, n in zip(owners, n_active, strict=True):
+        # Bodies that share a history must agree on its form: the busiest decides.
         most_active[owner] = max(n, most_active.get(owner, 0))
     histories: dict[int, _History] = {}
     for owner, (name, body) in zip(owners, model.flexible_bodies.items(), strict=True):
@@ -236,12 +240,14 @@ def _choose_history(
         return _by_modes(body, stepping.h, stepping.scheme)
     element = body.superelement
     h, n_steps, planned = stepping.h, stepping.n_steps, stepping.planned
+    # Modes hold for any step, kernels are sampled at one.
     form = "recursive" if stepping.ratio > 1 else str(settings.history)
     wanted = settings.kernel_length
-    length = n_steps if wanted is None else round(min(wanted / h, LONGEST))
+    length = n_steps if wanted is None else round(min(wanted / h, MAX_KERNEL_STEPS))
     if form == "auto":
         m = None if element.modes is None else len(element.modes.omega)
         elements = 0 if element.modes is None else elements_of(element.modes.chain)
+        # `planned`, not n_steps: a run that goes on keeps the form that it began with.
         lags = min(planned, length) + 1
         form = cheapest_history(body.n_outer, n_active, m, planned, lags, elements)
     if form == "recursive":
@@ -260,7 +266,7 @@ def _choose_history(
 
 def _check_memory(name: str, n_c: int, lags: int) -> None:
     """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
-    if lacking := shortage(8.0 * lags * (2 * COPIES * n_c * n_c + n_c)):
+    if lacking := shortage(8.0 * lags * (2 * KERNEL_COPIES * n_c * n_c + n_c)):
         raise ModelError(
             f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
             "or `memory`, or history = 'recursive', takes less"
@@ -301,6 +307,7 @@ def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _Histor
         modes = second.complete(modes)
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
+    # By what generalized-alpha divides: inertia, damping and stiffness of a mode in one step.
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
     hardened = stiffness * (1.0 + hardening_of(modes.chain, h, len(stiffness)))
     step_stiffness += scheme.beta * h * h * hardened
@@ -326,6 +333,7 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
     try:
         kernel = element.complete_kernel_for(stepping.h, stepping.scheme, lags - 1)
         error = 0.0
+        # Otherwise the kernel is as long as the run, and nothing is cut.
         if lags <= stepping.n_steps:
             compliance, modes = element.complete_compliance, element.modes
             whole, kernel = kernel, truncate(kernel, lags, compliance)
@@ -356,4 +364,5 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
 
 def _reversed_lags(g: Array) -> Array:
     """A kernel (lags, n_c, n_c) as the time loop reads it: (n_c, n_c, lags), last lag first."""
+    # The sum over past loads then runs through memory forward in both arrays.
     return np.ascontiguousarray(g[::-1].transpose(1, 2, 0))

@@ -8,7 +8,7 @@ from ...superelement import Rotation
 from ...superelement.rotation import N_INERTIA_CHANGES
 from ..arrays import Array, Index, as_index
 from ..model.bodies import FlexibleBody
-from ..step.system import SecondOrder
+from ..step.records.elastic import SecondOrder
 from .packing import packed
 
 

@@ -7,7 +7,7 @@ from ...superelement.modes import Modes
 from ...superelement.poles import motions
 from ...superelement.validation import Array, SuperelementError
 
-FADE = 0.25
+FADE_SHARE = 0.25
 """the part of a truncated kernel over which it fades out"""
 
 
@@ -25,7 +25,7 @@ def truncate(kernel: Kernel, lags: int, compliance: Array) -> Kernel:
     if not 8 <= lags <= len(kernel.g):
         raise SuperelementError(f"kernel: expected 8 to {len(kernel.g)} lags to keep, found {lags}")
     k = np.arange(lags)
-    k_1 = int((1.0 - FADE) * lags)
+    k_1 = int((1.0 - FADE_SHARE) * lags)
     window = np.where(k <= k_1, 1.0, 0.5 + 0.5 * np.cos(np.pi * (k - k_1) / (lags - k_1)))
     window = window[:, None, None]
     hann = 1.0 - np.cos(2.0 * np.pi * k / (lags - 1))

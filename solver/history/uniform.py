@@ -16,7 +16,8 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..step.system import Elastic, State
+from ..step.records.elastic import Elastic
+from ..step.system import State
 from . import dyadic
 
 Complex: TypeAlias = NDArray[np.complex128]
@@ -26,7 +27,7 @@ class UniformConvolution:
     """Updates `state.past.u_ahead` during a run whose steps prepare the next one at their end."""
 
     def __init__(self, elastic: Elastic) -> None:
-        self._block = dyadic.BLOCK
+        self._block = dyadic.DIRECT_STEPS
         self._window = dyadic.Window(elastic)
         self._bodies = [
             _BodyConvolution(elastic, e, self._block)
@@ -36,6 +37,7 @@ class UniformConvolution:
     def update(self, state: State) -> None:
         """Run the slot of step n, which has prepared step n + 1, for the next block."""
         n, block = int(state.step[0]), self._block
+        # Step n + 1 has been prepared already, and its row is in use.
         self._window.shift(n + 1, state)
         for body in self._bodies:
             if n % block == 0:
@@ -107,6 +109,7 @@ class _BodyConvolution:
     def run_slot(self, slot: int, state: State) -> None:
         """Run the tasks of one step of a block, slot = 0 .. B - 1."""
         n = len(self._tasks)
+        # Integer division spreads n tasks evenly over the slots, each run once.
         for task in self._tasks[slot * n // self._block : (slot + 1) * n // self._block]:
             task(state)
 
@@ -115,6 +118,7 @@ class _BodyConvolution:
         self._loads[j] = fft.rfft(
             state.past.p[self._loaded, first : first + self._block], 2 * self._block
         )
+        # Loads older than the kernel are needed no more.
         self._loads.pop(j - len(self._spectra), None)
 
     def _product_task(self, j: int, i: int) -> Callable[[State], None]:

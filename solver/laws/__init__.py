@@ -10,20 +10,20 @@ from pkgutil import iter_modules
 
 from ..arrays import Array
 from ..compiler.dispatch import dispatcher
-from .law import LAWS, Evaluation
+from .law import LAW_KINDS, Evaluation
 
 for _module in sorted(module.name for module in iter_modules(__path__)):
     import_module(f"{__name__}.{_module}")
 
 
-ARGUMENTS = "parameters, memory, h, c, rate"
+LAW_ARGUMENTS = "parameters, memory, h, c, rate"
 
 evaluate_law: Callable[[int, Array, Array, float, float, float], Evaluation] = dispatcher(
     "evaluate_law",
-    ARGUMENTS,
-    [law.evaluate for law in LAWS],
+    LAW_ARGUMENTS,
+    [law.evaluate for law in LAW_KINDS],
     otherwise="0.0, 0.0, 0.0, 0.0",
 )
 remember_law: Callable[[int, Array, Array, float, float, float], None] = dispatcher(
-    "remember_law", ARGUMENTS, [law.remember for law in LAWS], otherwise="None"
+    "remember_law", LAW_ARGUMENTS, [law.remember for law in LAW_KINDS], otherwise="None"
 )

@@ -11,16 +11,17 @@ from ..compiler.marks import compiled
 from ..schema.values import AtLeastOne, Fraction, Positive, number
 from .law import Evaluation, ForceLaw, force_law
 
-PARTS = 16.0
+STEPS_PER_YIELD = 16.0
 """steps of Runge and Kutta in which n times the yield deformation is taken"""
-SATURATED = 30.0
+SATURATION_LIMIT = 30.0
 """-log(1 - w) from which its derivative is n; (1 - w^n) / (1 - w) is lost in rounding at 37"""
-CORRECTIONS = 30
-POINTS = 16
-_nodes, _weights = np.polynomial.legendre.leggauss(POINTS)
-NODES: tuple[float, ...] = tuple((0.5 + 0.5 * _nodes).tolist())
-WEIGHTS: tuple[float, ...] = tuple((0.5 * _weights).tolist())
-"""of Gauss on (0, 1)"""
+MAX_UNLOADING_CORRECTIONS = 30
+"""iterations of Newton's method for the end of an unloading, which converges quadratically"""
+N_GAUSS_POINTS = 16
+_nodes, _weights = np.polynomial.legendre.leggauss(N_GAUSS_POINTS)
+GAUSS_POINTS: tuple[float, ...] = tuple((0.5 + 0.5 * _nodes).tolist())
+GAUSS_WEIGHTS: tuple[float, ...] = tuple((0.5 * _weights).tolist())
+"""points and weights of Gauss on (0, 1)"""
 
 Beta = Annotated[
     float,
@@ -105,7 +106,7 @@ def _unload(n: float, kappa: float, w: float, change: float) -> tuple[float, flo
     if kappa == 0.0:
         return w + change, 0.0
     u = 0.0
-    for _ in range(CORRECTIONS):  # from below, where Newton's method never overshoots
+    for _ in range(MAX_UNLOADING_CORRECTIONS):  # from below, where Newton's method never overshoots
         step = (_unloading(n, kappa, u, start) - change) * (1.0 + kappa * u**n)
         u += step
         if abs(step) <= 1e-16 * start:
@@ -121,9 +122,9 @@ def _unloading(n: float, kappa: float, end: float, start: float) -> float:
     if n == 1.0:
         return math.log((1.0 + kappa * start) / (1.0 + kappa * end)) / kappa
     total = 0.0
-    for j in range(POINTS):
-        u = end + (start - end) * NODES[j]
-        total += WEIGHTS[j] / (1.0 + kappa * u**n)
+    for j in range(N_GAUSS_POINTS):
+        u = end + (start - end) * GAUSS_POINTS[j]
+        total += GAUSS_WEIGHTS[j] / (1.0 + kappa * u**n)
     return total * (start - end)
 
 
@@ -133,8 +134,8 @@ def _load(n: float, w: float, change: float) -> float:
     if w >= 1.0:
         return w
     t = -math.log(1.0 - w)
-    while n != 1.0 and change > 0.0 and t < SATURATED:
-        step = min(change, 1.0 / (PARTS * n))
+    while n != 1.0 and change > 0.0 and t < SATURATION_LIMIT:
+        step = min(change, 1.0 / (STEPS_PER_YIELD * n))
         k1 = _steepness(n, t)
         k2 = _steepness(n, t + 0.5 * step * k1)
         k3 = _steepness(n, t + 0.5 * step * k2)

@@ -7,12 +7,12 @@ import numpy as np
 
 from .law import Evaluation, ForceLaw
 
-STEP = 1e-6
-"""of differences, relative to the largest deformation or rate"""
-TOLERANCE = 1e-6
-"""of what they show, relative"""
-ROUNDING = 1e-14
-"""of forces and energies of which differences are taken"""
+DIFFERENCE_STEP = 1e-6
+"""step of differences, over the largest deformation"""
+SLOPE_TOLERANCE = 1e-6
+"""relative error of a derivative that differences may show"""
+FORCE_ROUNDING = 1e-14
+"""relative rounding of forces and energies, of which differences are taken"""
 
 
 def check_law(
@@ -25,8 +25,9 @@ def check_law(
     stored energy is not the work of its force at rest, and for one that says something else after
     it has remembered. A law is checked where it is smooth: leave its kinks out.
     """
+    largest = max(map(abs, deformations), default=0.0)
     for c, rate in product(deformations, rates):
-        _check_at(law, h, c, rate, STEP * max(map(abs, deformations), default=0.0) or STEP)
+        _check_at(law, h, c, rate, DIFFERENCE_STEP * (largest or 1.0))
 
 
 def _check_at(law: ForceLaw, h: float, c: float, rate: float, e: float) -> None:
@@ -52,7 +53,7 @@ def _check_at(law: ForceLaw, h: float, c: float, rate: float, e: float) -> None:
         work = _slope(lambda x: at(x, 0.0)[3], c, e)
         found += [("force without rate", at(c, 0.0)[0], work, abs(energy) / e)]
     for what, value, expected, size in found:
-        if not abs(value - expected) <= TOLERANCE * abs(expected) + ROUNDING * size:
+        if not abs(value - expected) <= SLOPE_TOLERANCE * abs(expected) + FORCE_ROUNDING * size:
             raise law.error(
                 f"{type(law).__name__}: {what} at c = {c:g}, dc/dt = {rate:g}: got {value:.9g}, "
                 f"expected {expected:.9g}"

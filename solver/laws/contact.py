@@ -20,20 +20,22 @@ import numpy as np
 from ..arrays import Array
 from ..compiler.marks import compiled
 from ..schema.entry import entry
-from ..schema.values import NONE, Limits, Numbers
+from ..schema.values import NO_ITEMS, Limits, Numbers
 from .law import Evaluation, ForceLaw, law_number
 
 LOWER, UPPER, STIFFNESS, EXPONENT, FACTOR, SLOW, DAMPING, PATCH, TABLE = range(9)
 """parameters; from TABLE on the penetrations, forces and energies of a table"""
-V0 = 0
-"""the memory: speed of approach"""
-CORRECTIONS = 60
-"""of Newton's method for the force on a patch, which is monotone"""
-CLOSE = 1e-14
-ROOT = 1e-15
-"""width, relative to it, of the interval in which the factor of a restitution is found"""
-SMALL, TERMS = 0.05, 14
-"""argument below which a difference of logarithms is a series, of so many terms"""
+APPROACH_SPEED = 0
+"""place in the memory: speed of approach"""
+MAX_PATCH_CORRECTIONS = 60
+"""iterations of Newton's method for the force on a patch, which approaches from one side"""
+PATCH_PRECISION = 1e-14
+"""correction of the indentation, over the indentation, that counts as none"""
+FACTOR_PRECISION = 1e-15
+"""width of the interval that encloses the factor of a restitution, over the factor"""
+SERIES_LIMIT, SERIES_TERMS = 0.05, 14
+"""argument below which (x - ln(1 + x)) / x^2 is summed as a series, and its terms: 0.05^14 is below
+rounding"""
 
 
 def restitution_factor(e: float) -> float:
@@ -48,7 +50,8 @@ def restitution_factor(e: float) -> float:
     if missed(last) > 0.0:  # e < 0.03: a = 1 / e to rounding
         return last
     lower, upper = 0.2 * (1.0 - e), last
-    while upper - lower > ROOT * upper:  # bisection: scipy's root finders take .3 s to load
+    # Bisection, since scipy's root finders take 0.3 s to load.
+    while upper - lower > FACTOR_PRECISION * upper:
         middle = 0.5 * (lower + upper)
         lower, upper = (middle, upper) if missed(middle) > 0.0 else (lower, middle)
     return 0.5 * (lower + upper)
@@ -56,9 +59,9 @@ def restitution_factor(e: float) -> float:
 
 def _excess(x: float) -> float:
     """(x - ln(1 + x)) / x^2"""
-    if abs(x) > SMALL:
+    if abs(x) > SERIES_LIMIT:
         return (x - math.log1p(x)) / x**2
-    return sum((-x) ** k / (k + 2) for k in range(TERMS))
+    return sum((-x) ** k / (k + 2) for k in range(SERIES_TERMS))
 
 
 @law_number
@@ -79,8 +82,8 @@ class ContactLaw(ForceLaw):
     slow: float = 0.01
     damping: float = 0.0
     patch: float = 0.0
-    penetration: Numbers = NONE
-    force: Numbers = NONE
+    penetration: Numbers = NO_ITEMS
+    force: Numbers = NO_ITEMS
 
     def parameters(self) -> Sequence[float]:
         d, f = np.array(self.penetration), np.array(self.force)
@@ -101,7 +104,7 @@ class ContactLaw(ForceLaw):
         N, slope, energy = _elastic(parameters, d)
         g = _damping(parameters, memory)
         share = 1.0 + g * side * rate
-        if share <= 0.0:
+        if share <= 0.0:  # the damping would pull: bodies do not stick together
             return 0.0, 0.0, 0.0, energy
         return side * N * share, slope * share, g * N, energy
 
@@ -111,7 +114,7 @@ class ContactLaw(ForceLaw):
         if d <= 0.0:
             approaches = rate > 0.0 if parameters[UPPER] < math.inf else rate < 0.0
             both = parameters[LOWER] > -math.inf and parameters[UPPER] < math.inf
-            memory[V0] = abs(rate) if approaches or both else 0.0
+            memory[APPROACH_SPEED] = abs(rate) if approaches or both else 0.0
 
 
 @compiled
@@ -125,7 +128,7 @@ def penetration(parameters: Array, c: float) -> tuple[float, float]:
 def _damping(parameters: Array, memory: Array) -> float:
     """g"""
     if parameters[FACTOR] > 0.0:
-        return float(parameters[FACTOR] / max(memory[V0], parameters[SLOW]))
+        return float(parameters[FACTOR] / max(memory[APPROACH_SPEED], parameters[SLOW]))
     return float(parameters[DAMPING])
 
 
@@ -165,10 +168,10 @@ def _less_patch(K: float, n: float, C: float, d: float) -> tuple[float, float, f
     last = limit - C * K * limit**n if limit < math.inf else math.inf
     within = min(d, last)
     x = within
-    for _ in range(CORRECTIONS):
+    for _ in range(MAX_PATCH_CORRECTIONS):
         change = (x - C * K * x**n - within) / (1.0 - C * K * n * x ** (n - 1.0))
         x -= change
-        if abs(change) <= CLOSE * x:
+        if abs(change) <= PATCH_PRECISION * x:
             break
     N = K * x**n
     compliance = 1.0 / (K * n * x ** (n - 1.0)) - C

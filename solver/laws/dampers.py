@@ -10,8 +10,8 @@ from ..schema.values import NotNegative, Numbers
 from .law import Evaluation, ForceLaw, force_law
 from .tabulated import interpolate, interval
 
-PASSIVE = 1e-9
-"""force at rest, relative to the largest one, that counts as none"""
+NEGLIGIBLE_FORCE_AT_REST = 1e-9
+"""force at rest, over the largest force, that counts as none"""
 
 
 @force_law("compression")
@@ -52,7 +52,7 @@ class TabulatedDamperLaw(ForceLaw):
         if any(b <= a for a, b in pairwise(self.rate)):
             raise self.error(f"rate: expected increasing values, got {list(self.rate)}")
         at_rest = self.evaluate(np.array(self.parameters()), np.zeros(0), np.inf, 0.0, 0.0)[0]
-        if abs(at_rest) > PASSIVE * max(map(abs, self.force)):
+        if abs(at_rest) > NEGLIGIBLE_FORCE_AT_REST * max(map(abs, self.force)):
             raise self.error(f"force: expected 0 at the rate 0, got {at_rest:g}")
         for rate, force in zip(self.rate, self.force, strict=True):
             if rate * force < 0.0:

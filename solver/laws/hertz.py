@@ -14,7 +14,7 @@ F = 4/3 E* sqrt(r) d^(3/2). Source: K. L. Johnson, Contact Mechanics, 1985, sect
 import math
 from typing import NamedTuple
 
-FLATTEST = 1e-24
+MIN_AXES_SQUARE = 1e-24
 """(b/a)^2 of the longest patch, of curvatures whose ratio is about 1e-22"""
 
 
@@ -55,6 +55,6 @@ def _square_of_axes(ratio: float) -> float:
 
     if excess(0.0) >= 0.0:  # round, but for rounding
         return 1.0
-    if excess(math.log(FLATTEST)) <= 0.0:
-        return FLATTEST
-    return math.exp(float(brentq(excess, math.log(FLATTEST), 0.0, xtol=1e-14, rtol=1e-14)))
+    if excess(math.log(MIN_AXES_SQUARE)) <= 0.0:
+        return MIN_AXES_SQUARE
+    return math.exp(float(brentq(excess, math.log(MIN_AXES_SQUARE), 0.0, xtol=1e-14, rtol=1e-14)))

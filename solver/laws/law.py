@@ -28,7 +28,7 @@ from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from ..schema.entry import Entry, Takes, entry
+from ..schema.entry import Entry, FieldSpec, entry
 from ..schema.forms import Family, Members
 
 Evaluation = tuple[float, float, float, float]
@@ -65,17 +65,17 @@ class ForceLaw(Entry):
         """Bring the memory to the end of a step, compiled as `evaluate` is."""
 
 
-LAWS: list[type[ForceLaw]] = []
+LAW_KINDS: list[type[ForceLaw]] = []
 """all laws by number"""
 AnyLawType = TypeVar("AnyLawType", bound=type[ForceLaw])
 
 
 def law_number(law: AnyLawType) -> AnyLawType:
     """Register the compiled functions of a law."""
-    law.number = len(LAWS)
+    law.number = len(LAW_KINDS)
     compiled(law.evaluate)
     compiled(law.remember)
-    LAWS.append(law)
+    LAW_KINDS.append(law)
     return law
 
 
@@ -120,6 +120,8 @@ def _some(value: Any) -> Laws:
 AnyLaws = Annotated[
     Laws | Mapping[str, Laws],
     Members(FORCE_LAWS),
-    Takes("a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any),
+    FieldSpec(
+        "a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any
+    ),
 ]
 """laws of one coordinate, or of several by their names"""

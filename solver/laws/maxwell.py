@@ -8,8 +8,8 @@ from ..compiler.marks import compiled
 from ..schema.values import SomeNumbers
 from .law import Evaluation, ForceLaw, force_law
 
-SMALL = 1e-3
-"""time over relaxation time below which a series of five terms is exact"""
+MAX_SERIES_TIME = 1e-3
+"""time over relaxation time below which a series of five terms is exact to rounding"""
 
 
 @force_law("relaxation_times")
@@ -75,6 +75,6 @@ def _branch(parameters: Array, memory: Array, i: int, h: float, c: float) -> tup
 @compiled
 def _mean_decay(x: float, decay: float) -> float:
     """(1 - exp(-x)) / x, the mean of exp(-x s) for s from 0 to 1."""
-    if x > SMALL:
+    if x > MAX_SERIES_TIME:
         return (1.0 - decay) / x
     return 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)))

@@ -10,8 +10,8 @@ import numpy as np
 from ..arrays import Array
 from ..compiler.foreign import address_of, call_by_address
 from ..errors import ForeignError
-from ..schema.entry import Takes, entry
-from ..schema.values import NONE, Numbers
+from ..schema.entry import FieldSpec, entry
+from ..schema.values import NO_ITEMS, Numbers
 from .law import Evaluation, ForceLaw, law_number
 
 
@@ -47,7 +47,7 @@ def _function(value: Any) -> LawFunction:
 
 
 AnyFunction = Annotated[
-    Any, Takes("a Python function, also one that numba compiles", _function, Any)
+    Any, FieldSpec("a Python function, also one that numba compiles", _function, Any)
 ]
 
 
@@ -72,8 +72,8 @@ class UserLaw(ForceLaw):
     """
 
     function: AnyFunction
-    numbers: Numbers = NONE
-    memory: Numbers = NONE
+    numbers: Numbers = NO_ITEMS
+    memory: Numbers = NO_ITEMS
     update: AnyFunction | None = None
 
     addresses: ClassVar[int] = 2

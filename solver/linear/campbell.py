@@ -23,18 +23,18 @@ from .motion import Motion
 from .pose import Pose
 from .validity import LinearValidity
 
-STILL = 1e-8
-"""of the largest spin, at which pairs of modes at rest are told apart"""
+# of the largest spin: pairs of modes at rest, which coincide, are told apart there
+NEGLIGIBLE_SPIN = 1e-8
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
-FAINT = 1e-3
-"""share of the axis in the motion of a mode, below which it does not whirl"""
-ALIKE = 1e-4
-"""relative difference of eigenvalues of modes that count as one"""
-INDEPENDENT = 1e6
-"""condition of modes that coincide, above which they are taken as they are"""
-LEAST = 12
-"""modes that are looked for"""
+# of the axis in the motion of a mode; below, it does not whirl
+MIN_AXIS_SHARE = 1e-3
+# relative difference of eigenvalues
+COINCIDENT_MODES = 1e-4
+# of modes that coincide, above which they are taken as they are
+MAX_MODE_CONDITION = 1e6
+# more than asked for, so that modes that cross are followed
+MIN_MODES_SOUGHT = 12
 FORWARD, BACKWARD, NONE = "forward", "backward", "none"
 
 
@@ -117,7 +117,8 @@ def campbell(
     axis = rotation.angular_velocity / np.linalg.norm(rotation.angular_velocity)
     found = []
     with Progress(Work("Campbell diagram", len(speeds), "speeds"), shown=progress) as work:
-        for speed in np.maximum(speeds, STILL * speeds[-1]).tolist():
+        # At exactly zero, forward and backward modes coincide and would be mixed at random.
+        for speed in np.maximum(speeds, NEGLIGIBLE_SPIN * speeds[-1]).tolist():
             linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
             found.append(_slowest_in_space(linear, modes))
             work.advance()
@@ -136,12 +137,14 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
 
     A mode at f in space is seen at up to f + spin from the mechanism: so far modes are found.
     """
-    asked = max(2 * n, LEAST)
+    asked = max(2 * n, MIN_MODES_SOUGHT)
     while True:
         modes = linear.modes(asked)
         points = sorted(_points(linear, modes), key=lambda point: point[1])[:n]
+        # All modes of the model have been found.
         if len(modes) < asked:
             break
+        # Modes that have not been found are faster than this in space, too.
         reach = (float(np.abs(modes.values[-1])) - linear.spin) / (2.0 * np.pi)
         if len(points) == n and points[-1][1] <= reach:
             break
@@ -156,6 +159,7 @@ def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
             omega = abs(value.imag)
             seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
             if whirl != NONE:
+                # A backward mode that is slower than the spin is carried forward by it.
                 whirl = FORWARD if seen > 0.0 else BACKWARD
             if omega > 0.0:
                 yield whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value)
@@ -166,7 +170,7 @@ def _alike(modes: LinearModes) -> Iterator[list[int]]:
     group: list[int] = []
     for k in range(modes.rigid, len(modes)):
         value = modes.values[k]
-        if group and abs(value - modes.values[group[-1]]) > ALIKE * abs(value):
+        if group and abs(value - modes.values[group[-1]]) > COINCIDENT_MODES * abs(value):
             yield group
             group = []
         group.append(k)
@@ -184,18 +188,20 @@ def _whirls(
     """
     form, pose = linear.first_order, linear.equations.pose
     y = modes.y[:, members]
+    # Of coinciding modes any combination is a mode: those of unit kinetic energy are comparable.
     R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
-    if np.linalg.cond(R) > INDEPENDENT:
+    if np.linalg.cond(R) > MAX_MODE_CONDITION:
         R = np.eye(len(members))
     motion = linear.motion(y @ np.linalg.inv(R))
     with_spin, against, whole = _circles(motion, pose)
+    # A motion of modes alone may not move any point: the product would be singular.
     whole = whole + np.eye(len(members)) / float(pose.system.bodies.mass.sum())
     _, combined = np.linalg.eigh(_square(with_spin) - _square(against))
     values = R @ np.diag(modes.values[members]) @ np.linalg.inv(R)
     for x in combined.T:
         p, m = (float((np.abs(part @ x) ** 2).sum()) for part in (with_spin, against))
         value = complex(x.conj() @ values @ x)
-        if p + m <= FAINT * float((x.conj() @ whole @ x).real):
+        if p + m <= MIN_AXIS_SHARE * float((x.conj() @ whole @ x).real):
             yield NONE, value
         else:
             yield FORWARD if p >= m else BACKWARD, value
@@ -217,6 +223,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
     near = off <= ON_AXIS * size
+    # Rotations across the axis whirl as displacements do: shafts between bearings bend so.
     moved = np.concatenate([motion.translations[near], size * motion.rotations[near]])
     y, z = np.einsum("nck,c->nk", moved, first), np.einsum("nck,c->nk", moved, second)
     everything = np.concatenate([motion.translations, size * motion.rotations])
@@ -225,6 +232,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
 
 def _across(axis: Array) -> tuple[Array, Array]:
     """Two axes across, in the sense of a rotation about it."""
+    # The coordinate axis that is farthest from parallel to it.
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)

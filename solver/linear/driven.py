@@ -18,17 +18,17 @@ from ..model.settings import SteadyRotation
 from ..signals.curves import Constant, Polynomial
 from ..signals.drives import angle_at_rate
 
-SAMPLES = 65
-"""times at which a drive is compared with its start"""
+START_SAMPLES = 65
 
 
 def driven_at(model: Model, rotation: SteadyRotation) -> dict[str, Any]:
     """Joints, motions and motors of a model whose drives turn at the speed of a rotation."""
-    times = np.linspace(0.0, model.settings.t_end, SAMPLES).tolist()[1:]
+    times = np.linspace(0.0, model.settings.t_end, START_SAMPLES).tolist()[1:]
     velocity = np.asarray(rotation.angular_velocity)
 
     def moves(signal: Callable[[float], float]) -> bool:
         start = signal(0.0)
+        # Exactly: a constant that is computed is the same at all times.
         return any(signal(t) != start for t in times)
 
     rates = {joint.name: joint.angular_rate(velocity) for joint in model.joints}

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..arrays import Array, Index
 from ..errors import ModelError
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from .blocks import diagonal_blocks
 from .flexibility import (
@@ -37,8 +37,8 @@ from .tangent import Sizes, Tangent, tangent_of
 
 Bodies = Literal["dynamic", "static", "rigid"]
 """how flexible bodies deform"""
-SINGULAR = 1e-13
-"""reciprocal condition, rows and columns scaled, below which equations count as singular"""
+# reciprocal, with rows and columns scaled
+SINGULAR_CONDITION = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +123,7 @@ class Equations:
         """(1 - bend)^-1 of all elastic dofs (n_u, n_u)."""
         bend = bends(self.pose)
         # bend leads from q to the other dofs alone: its square vanishes
+        # (1 - b)^-1 = 1 + b where b^2 = 0.
         return np.eye(len(bend)) + bend
 
     def with_bodies(self, bodies: Bodies) -> "Equations":
@@ -188,6 +189,7 @@ class Equations:
         added = relaxation.stiffness(s)[:, None] * relaxation.gradient
         np.add.at(D, self.sizes.rows.start + relaxation.row, added)
         rows = self.sizes.rows.start + self.integrals.row
+        # The integral 1 / s would be infinite at rest: the equation of the row times s is finite.
         D[rows] = s * D[rows] + self.integrals.gain[:, None] * self.integrals.gradient
         return D
 
@@ -212,8 +214,10 @@ class Factors:
         self.multiplied = equations.row_factors(s)
         by_rows = self.multiplied[:, None] * t.by_rows
         matrix = np.hstack([self.D, by_rows]).astype(np.result_type(self.D.dtype, self.H.dtype))
+        # Rows of active dofs are compliances: H times the loads that the motion asks for.
         matrix[sizes.active] = -self.H[:, equations.acting] @ matrix[sizes.active]
         matrix[sizes.active, sizes.active] += np.eye(sizes.n_a) - t.bend
+        # Rows have units of force, displacement and none: scaled, pivots tell the condition.
         self.rows = _scales(matrix, 1)
         self.columns = _scales(self.rows[:, None] * matrix, 0)
         scaled = self.rows[:, None] * matrix * self.columns
@@ -221,8 +225,11 @@ class Factors:
 
         with warnings.catch_warnings(action="ignore", category=LinAlgWarning):
             self.lu = lu_factor(scaled, check_finite=False)
+        # A cheap measure, good enough with scaled rows and columns.
         pivots = np.abs(np.diag(self.lu[0]))
-        self.conditioned = bool(pivots.min(initial=1.0) > SINGULAR * pivots.max(initial=1.0))
+        self.conditioned = bool(
+            pivots.min(initial=1.0) > SINGULAR_CONDITION * pivots.max(initial=1.0)
+        )
 
     def solve(self, b: Any, pi: Any) -> Response:
         """Amplitudes under b (n_r + n_a + n_i, n) on the right; pi (n_l, n): loads that are given.
@@ -269,6 +276,7 @@ def _scales(matrix: Matrix, axis: int) -> Array:
 def equations_of(pose: Pose) -> Equations:
     tangent = tangent_of(pose)
     motors = pose.system.couplings.laws.motors
+    # Other motors are springs and dampers, which the tangent has already.
     own = motors.integral > 0.0
     row = motors.row[own]
     integrals = Integrals(row, motors.integral[own], tangent.gradients[row])
@@ -281,7 +289,7 @@ def _relaxation(pose: Pose, tangent: Tangent) -> Relaxation:
     kappa: list[float] = []
     tau: list[float] = []
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        if LAWS[laws.number[m]] is not MaxwellLaw:
+        if LAW_KINDS[laws.number[m]] is not MaxwellLaw:
             continue
         parameters = laws.parameters[laws.first[m] : laws.first[m + 1]].tolist()
         n = len(parameters) // 2

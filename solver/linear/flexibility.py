@@ -20,8 +20,8 @@ from ..model.bodies import FlexibleBody
 from .pose import Pose
 
 Matrix = NDArray[np.float64] | NDArray[np.complex128]
-LEFT = 1e-3
-"""of a kernel at its end, relative to its largest response: below, it counts as decayed"""
+# at its end, relative to its largest response
+DECAYED_KERNEL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,22 +72,25 @@ class KernelBody:
 
     def transfer(self, s: complex) -> Matrix:
         if s == 0.0:
+            # The sum of a truncated kernel misses what comes after its end.
             return self.element.complete_compliance[:, self.loaded]
         kernel = self.kernel
         self._check(kernel)
         d = _delay(kernel, s)
         powers = d ** np.arange(len(kernel.g))
+        # H(s) = sum_n g_n d^n: the z-transform at z = 1 / d.
         values: Matrix = np.tensordot(powers, kernel.g[:, :, self.loaded], axes=1)
         return values
 
     def _check(self, kernel: Kernel) -> None:
         largest = np.abs(kernel.g).max()
         left = float(np.abs(kernel.g[-max(len(kernel.g) // 16, 1) :]).max() / largest)
-        if left > LEFT:
+        if left > DECAYED_KERNEL:
             raise ModelError(
                 f"body {self.name!r}: superelement {self.element.name!r} is known by a kernel "
                 f"alone, which after {kernel.length:.3g} s still has {left:.1g} of its largest "
-                f"response: a transfer function needs one that has decayed to {LEFT:g}, or modes"
+                "response: a transfer function needs one that has decayed to "
+                f"{DECAYED_KERNEL:g}, or modes"
             )
 
 
@@ -113,6 +116,7 @@ def _delay(kernel: Kernel, s: complex) -> complex:
         value = np.sqrt(kernel.scheme.symbols(kernel.h, d)[0])
         change = 1e-6 * d
         ahead = np.sqrt(kernel.scheme.symbols(kernel.h, d + change)[0])
+        # Of the two roots of sigma, that on the side of s.
         value, ahead = (root * np.sign((root * np.conj(s)).real) for root in (value, ahead))
         step = (s - value) / ((ahead - value) / change)
         d += step

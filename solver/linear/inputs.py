@@ -27,10 +27,10 @@ from ..step.rows import ATTITUDE
 from .equations import Forcing
 from .pose import Pose
 
-AXES = "xyz"
-UNITS = {"force": "N", "torque": "N m"}
-TURN = 1e-4
-"""change of a drive [m, rad] by which its derivative is found"""
+AXIS_NAMES = "xyz"
+LOAD_UNITS = {"force": "N", "torque": "N m"}
+# [m, rad] of a drive, by which its derivative is found
+DRIVE_CHANGE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +51,18 @@ def with_loads(model: Model, names: Sequence[str]) -> Model:
 
 
 def _is_unit_load(name: str) -> bool:
-    return name.partition(":")[0] in UNITS
+    return name.partition(":")[0] in LOAD_UNITS
 
 
 def _unit_load(model: Model, name: str) -> Load:
     kind, *rest = name.split(":")
-    if len(rest) != 2 or rest[1] not in tuple(AXES):
+    if len(rest) != 2 or rest[1] not in tuple(AXIS_NAMES):
         raise ModelError(f"{name}: expected {kind}:BODY|FRAME:x|y|z")
     on, axis = rest
     if on.partition(".")[0] not in (GROUND, *model.bodies):
         raise ModelError(f"{name}: no body or frame {on!r}; there are: {', '.join(model.bodies)}")
     directed: dict[str, type[DirectedLoad]] = {"force": Force, "torque": Torque}
-    return directed[kind](on, np.eye(3)[AXES.index(axis)], Constant(0.0))
+    return directed[kind](on, np.eye(3)[AXIS_NAMES.index(axis)], Constant(0.0))
 
 
 def channels(model: Model, lowered: LoweredModel, names: Sequence[str]) -> list[Channel]:
@@ -70,7 +70,8 @@ def channels(model: Model, lowered: LoweredModel, names: Sequence[str]) -> list[
     found, added = [], len(model.frame_loads)
     for name in names:
         if _is_unit_load(name):
-            found.append(Channel(name, (added,), unit=UNITS[name.partition(":")[0]]))
+            # Unit loads were appended to the model in the order of the names.
+            found.append(Channel(name, (added,), unit=LOAD_UNITS[name.partition(":")[0]]))
             added += 1
         else:
             found.append(_channel(model, lowered, name))
@@ -87,6 +88,7 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
         return Channel(name, (_numbers(model, lowered)[number - 1],), unit=load.unit)
     if kind == "motor":
         return _motor(model, name, rest)
+    # A name without a kind is that of an `Input`, which may move several things at once.
     drives = _drives(lowered)
     if kind == "drive":
         if rest not in drives:
@@ -157,6 +159,7 @@ def _drives(lowered: LoweredModel) -> dict[str, int]:
     for name, (first, last) in zip(lowered.coupling_names, ranges, strict=True):
         if (couplings.rows.kind[first:last] == ATTITUDE).any():
             continue
+        # A set that keeps its order: rows of a motion may share a drive.
         numbers = dict.fromkeys(d for d in couplings.drive[first:last].tolist() if d >= 0)
         for k, d in enumerate(numbers, 1):
             found[name if len(numbers) == 1 else f"{name}.{k}"] = d
@@ -175,7 +178,7 @@ def forcing(pose: Pose, inputs: Sequence[Channel]) -> Forcing:
 
 def _forcing(pose: Pose, channel: Channel) -> Array:
     """Loads are linear in their signals; drives by differences of fourth order."""
-    size = TURN if channel.drives else 1.0
+    size = DRIVE_CHANGE if channel.drives else 1.0
     near = _shifted(pose, channel, size) - _shifted(pose, channel, -size)
     if not channel.drives:
         return near / (2.0 * size)
@@ -190,11 +193,13 @@ def _shifted(pose: Pose, channel: Channel, change: float) -> Array:
     saved = [array.copy() for array in values]
     moved = (channel.loads, channel.drives, [3 * m for m in channel.motors])
     for array, numbers in zip(values, moved, strict=True):
+        # Three values of each motor: the first is what it gives without an error.
         array[list(numbers)] += change
     pose.evaluate(pose.system)
     for array, old in zip(values, saved, strict=True):
         array[:] = old
     residual = work.bodies.residual.copy()
+    # Forces in body axes, as the unknowns delta X are.
     residual[:, :3] = np.einsum("bji,bj->bi", state.bodies.R, residual[:, :3])
     pi = state.interfaces.p[pose.system.elastic.loaded]
     return np.concatenate([residual.ravel(), pi, work.couplings.phi])

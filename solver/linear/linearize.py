@@ -15,7 +15,7 @@ from .equations import Bodies, Equations, equations_of
 from .flexibility import KernelBody
 from .frf import FrequencyResponse, frequency_response, static_response
 from .inputs import Channel, channels, with_loads
-from .modes import LARGEST, FirstOrder, LinearModes, modes_of, with_chains
+from .modes import MAX_DENSE_STATES, FirstOrder, LinearModes, modes_of, with_chains
 from .motion import Motion, motion_of
 from .pose import pose_of
 from .shapes import Shape, shapes_of
@@ -23,8 +23,8 @@ from .state_space import StateSpace, state_space_of
 from .steady import check_constant
 from .validity import LinearValidity, validity_of
 
-FEW = 60
-"""modes of a model that has too many for all"""
+# of a model that has too many for all
+MAX_MODES_FOUND = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class LinearModel:
         """The first modes; None where a body is known by a kernel alone."""
         if any(isinstance(body, KernelBody) for body in self.equations.bodies):
             return None
-        return self.modes(None if self.first_order.n <= LARGEST else FEW)
+        return self.modes(None if self.first_order.n <= MAX_DENSE_STATES else MAX_MODES_FOUND)
 
     def validity(self, modes: LinearModes | None = None, frequencies: Any = ()) -> LinearValidity:
         """How far this analysis can be trusted: `print(linear.validity())` shows a table.
@@ -133,6 +133,7 @@ class LinearModel:
     def _with(self, inputs: Sequence[str]) -> tuple[Equations, list[Channel]]:
         """The equations, with frames for the unit loads among the inputs."""
         model = with_loads(self.model, inputs)
+        # Without unit loads the equations of the model are those that are known already.
         if len(model.loads) == len(self.model.loads):
             equations = self.equations
         else:
@@ -154,5 +155,6 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
     with about(model.path):
+        # Evaluated now, so that a model that cannot be linearized fails here and not later.
         _ = linear.equations
     return linear

@@ -25,23 +25,22 @@ from ..start.matrices import dense_of
 from .blocks import diagonal_blocks
 from .equations import Equations, Forcing
 from .flexibility import ModalBody
-from .subspace import BLOCK, ZERO, Subspace, slowest
+from .subspace import MIN_BLOCK, RIGID_EIGENVALUE, Subspace, slowest
 
 Complex = NDArray[np.complex128]
-SHIFT = 0.03
-"""sigma over a frequency of the model"""
-ITERATIONS = 12
-"""of an eigenvalue that is followed, at most"""
-BESIDE = 1e-13
-"""relative distance from an eigenvalue of a free body at which equations are solved"""
-CONVERGED = 1e-12
-"""relative change of an eigenvalue that ends an iteration"""
-GROWTH = 1e-6
-"""of the size of an eigenvalue: a growth that is not rounding, which pairs that coincide have"""
-LARGEST = 1500
-"""states up to which all modes are found at once"""
-SMALL = 240
-"""states up to which all modes take no longer than a few"""
+# sigma over a frequency of the model
+SHIFT_RATIO = 0.03
+MAX_FOLLOWING = 12
+# relative, from an eigenvalue of a free body, where its modes have a pole
+POLE_DISTANCE = 1e-13
+# relative change that ends an iteration
+EIGENVALUE_TOLERANCE = 1e-12
+# of the size of an eigenvalue. Pairs that coincide have growths of the root of rounding.
+MIN_GROWTH = 1e-6
+# all modes are found at once up to here
+MAX_DENSE_STATES = 1500
+# up to here all modes take no longer than a few
+QUICK_STATES = 240
 
 
 class FirstOrder:
@@ -59,15 +58,17 @@ class FirstOrder:
         self.stiffness = _joined([body.stiffness for body in self.bodies])
         self.damping = _joined([body.damping for body in self.bodies])
         # z = phi eta + bend z
+        # Displacements of interfaces follow q of second order by the bend.
         Z = self.phi + t.bend @ self.phi
         self.embed = diagonal_blocks([np.eye(t.sizes.n_r), Z])
         self.basis, self.coordinates = self._basis()
         self.n_free = self.basis.shape[1]
         self.chains = _chains(self.bodies)
         self.n_e = sum(self._dampers)
-        self.sigma: Any = SHIFT * self._frequency()
+        self.sigma: Any = SHIFT_RATIO * self._frequency()
         self.factors = equations.factorized(self.sigma)
         if not self.factors.conditioned:
+            # An eigenvalue happened to be there: any other shift will do.
             self.sigma *= 1.37
             self.factors = equations.factorized(self.sigma)
 
@@ -85,6 +86,7 @@ class FirstOrder:
         B = t.gradients[hard] @ self.embed @ scale
         length = np.linalg.norm(B, axis=1)
         B /= np.where(length > 0.0, length, 1.0)[:, None]
+        # The last columns of Q span what the rows of B leave free.
         Q, _ = np.linalg.qr(B.T, mode="complete")
         free: Array = Q[:, len(B) :]
         inverse = diagonal_blocks([np.linalg.inv(root), np.eye(len(self.stiffness))])
@@ -98,6 +100,7 @@ class FirstOrder:
         compliant = np.flatnonzero(self.equations.pose.system.couplings.compliant)
         rows = t.sizes.rows.start + compliant
         springs = t.gradients[compliant].T @ t.K[rows]
+        # 1e-300: a model without any stiffness has a frequency of zero, not of nan.
         K = t.K[t.sizes.rigid] + springs[t.sizes.rigid] + 1e-300
         reduced = self.coordinates @ _inverse_inertia(self) @ K @ self.basis
         largest = float(np.sqrt(np.abs(reduced).max(initial=0.0)))
@@ -106,7 +109,7 @@ class FirstOrder:
 
     def is_zero(self, value: complex) -> bool:
         """Whether an eigenvalue is that of a motion that nothing resists."""
-        return bool(abs(value) < ZERO * self.sigma)
+        return bool(abs(value) < RIGID_EIGENVALUE * self.sigma)
 
     def at(self, sigma: complex) -> "FirstOrder":
         """The same with another sigma."""
@@ -131,6 +134,7 @@ class FirstOrder:
         sizes, n_r = t.sizes, t.sizes.n_r
         e_law, e_motor, e_chain = np.split(e, np.cumsum(self._dampers)[:2])
         Y, V = self.embed @ y, self.embed @ v
+        # From v = sigma y + given and M v' + C v + K y: everything known on the right.
         known = t.M @ (sigma * Y + V) + t.C @ Y
         b = np.zeros((len(known), y.shape[1]), dtype=known.dtype)
         b[sizes.rigid], b[sizes.rows] = -known[sizes.rigid], -known[sizes.rows]
@@ -179,6 +183,7 @@ class FirstOrder:
 
     def split(self, x: Any) -> tuple[Any, Any, Any]:
         """Positions, rates and dampers of states (n, k)."""
+        # Rates are stored over sigma: both halves of a state then have the size of positions.
         n = self.n_free
         return self.basis @ x[:n], self.sigma * (self.basis @ x[n : 2 * n]), x[2 * n :]
 
@@ -275,7 +280,7 @@ class LinearModes:
     @property
     def unstable(self) -> NDArray[np.bool_]:
         """True of modes that grow (n,)."""
-        growing: NDArray[np.bool_] = self.values.real > GROWTH * np.abs(self.values)
+        growing: NDArray[np.bool_] = self.values.real > MIN_GROWTH * np.abs(self.values)
         return growing
 
 
@@ -305,14 +310,14 @@ def _subspace(form: FirstOrder, n: int | None) -> Subspace:
     """The subspace in which the first n modes are, or all."""
     if n is not None:
         # bodies that are alike have modes that coincide, in two planes each
-        alike = max(BLOCK, 2 * len(form.bodies))
-        most = form.n if form.n > LARGEST else form.n // 2 if form.n > SMALL else 0
+        alike = max(MIN_BLOCK, 2 * len(form.bodies))
+        most = form.n if form.n > MAX_DENSE_STATES else form.n // 2 if form.n > QUICK_STATES else 0
         found = slowest(form.apply, form.n, form.sigma, n, most, alike)
         if found is not None:
             return found
-    if form.n > LARGEST:
+    if form.n > MAX_DENSE_STATES:
         raise ModelError(
-            f"{form.n} states: expected at most {LARGEST} to find all modes, ask for fewer"
+            f"{form.n} states: expected at most {MAX_DENSE_STATES} to find all modes, ask for fewer"
         )
     return Subspace(form.sigma, None, form.matrix)
 
@@ -364,7 +369,7 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
     n_x = len(chains.mode)
     e[form.n_e - n_x :] = y[n_r + chains.mode] / (1.0 + s * chains.tau)[:, None]
     states = States(y, s * y, e, np.zeros((form.equations.sizes.n_i, 1)))
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_FOLLOWING):
         s = _beside_poles(form, s)
         a = form.coordinates @ states.y
         moved = form.at(s).solve(states.y, states.v, states.e)
@@ -374,7 +379,7 @@ def _followed(form: FirstOrder, s: complex, y: Complex) -> tuple[complex, "State
         s += 1.0 / factor
         parts = (moved.y, moved.v, moved.e, moved.lam)
         states = States(*(part / factor for part in parts))
-        if abs(1.0 / factor) <= CONVERGED * abs(s):
+        if abs(1.0 / factor) <= EIGENVALUE_TOLERANCE * abs(s):
             break
     return s, states
 
@@ -385,4 +390,4 @@ def _beside_poles(form: FirstOrder, s: complex) -> complex:
     So it is for the modes of bodies that nothing holds.
     """
     nearest = np.abs(form.step(s)).min(initial=np.inf)
-    return s * (1.0 + BESIDE) if nearest < BESIDE * abs(s) ** 2 else s
+    return s * (1.0 + POLE_DISTANCE) if nearest < POLE_DISTANCE * abs(s) ** 2 else s

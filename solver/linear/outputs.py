@@ -29,13 +29,14 @@ from .inputs import Channel
 from .pose import Pose
 from .tangent import skew
 
-SMALL = 1e-5
-"""change of a coordinate, relative to the size of the model or in rad"""
-POINTS = (-2.0, -1.0, 1.0, 2.0)
-WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
+# relative to the size of the model or in rad: of fourth order, rounding and truncation are then
+# about equal
+COORDINATE_CHANGE = 1e-5
+DIFFERENCE_POINTS = (-2.0, -1.0, 1.0, 2.0)
+DIFFERENCE_WEIGHTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 """of differences of fourth order"""
-NUMBERS = 1 << 22
-"""of the rows that are recorded at once"""
+# 32 MB of rows that are recorded at once
+MAX_RECORDED_NUMBERS = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +104,9 @@ def _names(one: Evaluated, quantity: str) -> list[str]:
 def _derivatives(values: Array, directions: Sequence[_Direction]) -> Array:
     """By differences of the rows after the first (n_components, n_directions)."""
     # less the first row, so that what does not move has no derivative at all
-    rows = (values[1:] - values[0]).reshape(len(directions), len(POINTS), -1)
+    rows = (values[1:] - values[0]).reshape(len(directions), len(DIFFERENCE_POINTS), -1)
     sizes = np.array([direction.size for direction in directions])
-    derivatives: Array = np.einsum("p,dpc->cd", WEIGHTS, rows) / sizes
+    derivatives: Array = np.einsum("p,dpc->cd", DIFFERENCE_WEIGHTS, rows) / sizes
     return derivatives
 
 
@@ -146,13 +147,13 @@ class _Recorder:
         for rigid, elastic in zip(self.rigid, self.elastic, strict=True):
             for b in range(len(rigid)):
                 for k in range(6):
-                    yield _Direction(rigid, (b, k), SMALL * (size if k < 3 else 1.0))
+                    yield _Direction(rigid, (b, k), COORDINATE_CHANGE * (size if k < 3 else 1.0))
             for k, length in enumerate(lengths.tolist()):
-                yield _Direction(elastic, k, SMALL * size / length)
+                yield _Direction(elastic, k, COORDINATE_CHANGE * size / length)
         for i in range(len(self.state.couplings.lam)):
             yield _Direction(self.state.couplings.lam, i, 1.0)
         for channel in inputs:
-            size = SMALL if channel.drives else 1.0
+            size = COORDINATE_CHANGE if channel.drives else 1.0
             numbers = (channel.loads, channel.drives, [3 * m for m in channel.motors])
             yield _Direction(self.inputs, _entries(numbers, self.offsets), size)
 
@@ -164,14 +165,14 @@ class _Recorder:
         return lengths
 
     def chunks(self, directions: Sequence[_Direction]) -> Iterator[Sequence[_Direction]]:
-        n = max(NUMBERS // (len(POINTS) * self.width), 1)
+        n = max(MAX_RECORDED_NUMBERS // (len(DIFFERENCE_POINTS) * self.width), 1)
         for first in range(0, len(directions), n):
             yield directions[first : first + n]
 
     def results(self, directions: Sequence[_Direction]) -> Results:
         """A row for the state as it is, and one for each point of each difference."""
         lowered = self.pose.lowered
-        n = 1 + len(POINTS) * len(directions)
+        n = 1 + len(DIFFERENCE_POINTS) * len(directions)
         run = Run(
             system=self.system,
             state=self.state,
@@ -183,9 +184,9 @@ class _Recorder:
         self._record(run, 0)
         for k, direction in enumerate(directions):
             before = np.copy(direction.moved[direction.entry])
-            for m, point in enumerate(POINTS):
+            for m, point in enumerate(DIFFERENCE_POINTS):
                 direction.moved[direction.entry] = before + point * direction.size
-                self._record(run, 1 + len(POINTS) * k + m)
+                self._record(run, 1 + len(DIFFERENCE_POINTS) * k + m)
             direction.moved[direction.entry] = before
         for array, old in zip(kept, before_all, strict=True):
             array[:] = old

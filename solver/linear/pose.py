@@ -10,7 +10,7 @@ from ..couplings.joint import Joint
 from ..couplings.motors import Motor
 from ..errors import ModelError
 from ..laws.contact import ContactLaw
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
@@ -22,10 +22,10 @@ from ..step.equations import evaluate
 from ..step.system import State, System, Workspace
 from .driven import driven_at
 
-BESIDE = 1e-6
-"""relative change of a deformation, and a rate, beside which slopes are compared"""
-JUMP = 1e-2
-"""relative change of a slope that counts as a jump"""
+# relative change of a deformation, and a rate, beside which slopes are compared
+SLOPE_PROBE = 1e-6
+# relative change of a slope; smooth laws change by about SLOPE_PROBE
+MIN_SLOPE_JUMP = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,18 +154,18 @@ def _check_slopes(initial: InitialState, m: int, i: int) -> None:
     """`ModelError` for a law whose slope jumps at rest, where no tangent is right."""
     lowered, work = initial.lowered, initial.work
     laws = lowered.system.couplings.laws
-    law = LAWS[laws.number[m]]
+    law = LAW_KINDS[laws.number[m]]
     parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
     memory = initial.state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
     c = float(work.couplings.coordinate[i] - laws.rest[i])
-    near = BESIDE * max(abs(c), BESIDE)
-    for moves in ((near, 0.0), (0.0, BESIDE)):
+    near = SLOPE_PROBE * max(abs(c), SLOPE_PROBE)
+    for moves in ((near, 0.0), (0.0, SLOPE_PROBE)):
         slopes = [
             law.evaluate(parameters, memory, np.inf, c + way * moves[0], way * moves[1])[1:3]
             for way in (-1.0, 1.0)
         ]
         for before, after in zip(*slopes, strict=True):
-            if abs(after - before) > JUMP * max(abs(after), abs(before)):
+            if abs(after - before) > MIN_SLOPE_JUMP * max(abs(after), abs(before)):
                 raise ModelError(
                     f"{lowered.owner_of(i)}: the slope of {law.__name__} jumps at rest, "
                     f"from {before:.6g} to {after:.6g}"
@@ -185,7 +185,7 @@ def _check_linear(initial: InitialState) -> None:
         if limited:
             raise motor.error("it is at its limit, and has no linear equations")
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        law = LAWS[laws.number[m]]
+        law = LAW_KINDS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):
             raise ModelError(
                 f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "

@@ -12,8 +12,8 @@ from ..model.bodies import FlexibleBody
 from .modes import FirstOrder
 from .motion import motion_of
 
-STATIONS = 17
-"""points of a curve between two interfaces"""
+# points of a curve between two interfaces
+CURVE_STATIONS = 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def _curve(name: str, points: Array, moved: Any, turned: Any) -> Shape:
 
 def _segment(points: Array, moved: Any, turned: Any) -> tuple[Array, Any]:
     """The points after the first of a segment, and their motion."""
-    s = np.linspace(0.0, 1.0, STATIONS)[1:, None]
+    s = np.linspace(0.0, 1.0, CURVE_STATIONS)[1:, None]
     chord = points[1] - points[0]
     stretch = chord * ((moved[1] - moved[0]) @ chord) / max(chord @ chord, 1e-300)
     slopes = [np.cross(turn, chord) + stretch for turn in turned]

@@ -20,11 +20,12 @@ from ..errors import ModelError
 from .blocks import diagonal_blocks
 from .frf import observed
 from .inputs import Channel, forcing
-from .modes import LARGEST, FirstOrder, frames_of
+from .modes import MAX_DENSE_STATES, FirstOrder, frames_of
 from .outputs import Observation, observe
 
-NEAR = 1e-3
-"""relative distance of eigenvalues whose motions are one block"""
+# relative, of eigenvalues whose motions are one block: closer ones have ill-conditioned
+# eigenvectors
+BLOCK_DISTANCE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +64,8 @@ def state_space_of(
                 f"{channel.name}: a drive moves its joint at once: state space takes loads, "
                 "frequency responses take drives"
             )
-    if form.n > LARGEST:
-        raise ModelError(f"{form.n} states: expected at most {LARGEST} for a state space")
+    if form.n > MAX_DENSE_STATES:
+        raise ModelError(f"{form.n} states: expected at most {MAX_DENSE_STATES} for a state space")
     observation = observe(form.equations, quantities, inputs)
     forces = forcing(form.equations.pose, inputs)
     response = form.forced(forces)
@@ -138,7 +139,7 @@ def _clusters(values: Any) -> list[_Cluster]:
     from scipy.sparse.csgraph import connected_components
 
     size = np.abs(values)
-    near = np.abs(values[:, None] - values) <= NEAR * np.minimum(size[:, None], size)
+    near = np.abs(values[:, None] - values) <= BLOCK_DISTANCE * np.minimum(size[:, None], size)
     _, label = connected_components(near, directed=False)
     below = set(label[values.imag < 0.0].tolist())
     upper = np.flatnonzero(values.imag >= 0.0)

@@ -17,13 +17,13 @@ from .equations import Equations, Forcing, equations_of
 from .pose import Pose
 from .tangent import tangent_of
 
-TURN = 1.0
-"""angle [rad] at which the equations are compared"""
-ALIKE = 1e-6
-"""relative difference that counts as none"""
+# [rad] A quarter turn would hide what has fourfold symmetry; 1 rad is a part of no full turn.
+PROBE_TURN = 1.0
+# relative
+NEGLIGIBLE_DIFFERENCE = 1e-6
 
-LEAST = 1e-4
-"""of the farthest motion, below which motions are rounding"""
+# of the farthest motion, below which motions are rounding
+MIN_MOTION = 1e-4
 
 
 def check_constant(equations: Equations) -> None:
@@ -41,7 +41,10 @@ def check_constant(equations: Equations) -> None:
         array[:] = old
     pose.evaluate(pose.system)
     size = _sizes(before, pose.system.bodies.size)
-    if not balanced or (np.abs(after - before) > ALIKE * np.outer(size, size)).any():
+    if (
+        not balanced
+        or (np.abs(after - before) > NEGLIGIBLE_DIFFERENCE * np.outer(size, size)).any()
+    ):
         what = "its stiffness, damping or constraints change" if balanced else "forces change"
         raise ModelError(
             f"steady rotation of {pose.angular_velocity.tolist()} rad/s: {what} with the angle, "
@@ -62,7 +65,7 @@ def _sizes(response: Any, length: float) -> Array:
     """How far coordinates move (n_r,), each at least a little of the farthest."""
     moved = np.sqrt(np.abs(np.diag(response))).reshape(-1, 2, 3)
     weight = np.array([1.0, length])[None, :, None]
-    sizes: Array = np.maximum(moved, LEAST * (weight * moved).max() / weight).ravel()
+    sizes: Array = np.maximum(moved, MIN_MOTION * (weight * moved).max() / weight).ravel()
     return sizes
 
 
@@ -70,7 +73,7 @@ def _turn(pose: Pose) -> None:
     """Turn all bodies, and drives with them, as the rotation goes on."""
     axis = pose.angular_velocity / pose.speed
     turn, Q, product = np.empty(4), np.empty((3, 3)), np.empty(4)
-    quaternion_exponential(TURN * axis, turn)
+    quaternion_exponential(PROBE_TURN * axis, turn)
     quaternion_matrix(turn, Q)
     motion = pose.state.bodies
     motion.x[:] = pose.center + (motion.x - pose.center) @ Q.T
@@ -80,7 +83,7 @@ def _turn(pose: Pose) -> None:
         quaternion_matrix(product, motion.R[b])
     for array in (motion.v, motion.v_dot):
         array[:, :3] = array[:, :3] @ Q.T
-    pose.work.drives.value[:] += pose.work.drives.rate * TURN / pose.speed
+    pose.work.drives.value[:] += pose.work.drives.rate * PROBE_TURN / pose.speed
 
 
 def _balance(equations: Equations) -> bool:
@@ -103,7 +106,10 @@ def _balance(equations: Equations) -> bool:
     change, *_ = np.linalg.lstsq(matrix, -missing, rcond=None)
     state.couplings.lam[hard] += change
     left = np.abs(missing + matrix @ change).max(initial=0.0)
-    return bool(left <= ALIKE * _force(pose) and np.abs(work.couplings.phi).max(initial=0.0) < 1e-6)
+    return bool(
+        left <= NEGLIGIBLE_DIFFERENCE * _force(pose)
+        and np.abs(work.couplings.phi).max(initial=0.0) < 1e-6
+    )
 
 
 def _in_bodies(pose: Pose) -> Array:
@@ -119,7 +125,9 @@ def _force(pose: Pose) -> float:
     size = max(bodies.size, 1.0)
     spin = float(bodies.mass.sum()) * pose.speed**2 * bodies.size
     return size * max(
-        spin, float(np.abs(pose.state.couplings.lam).max(initial=0.0)), _rounding(pose) / ALIKE
+        spin,
+        float(np.abs(pose.state.couplings.lam).max(initial=0.0)),
+        _rounding(pose) / NEGLIGIBLE_DIFFERENCE,
     )
 
 

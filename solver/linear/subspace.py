@@ -18,22 +18,22 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Index
 
-ZERO = 3e-5
-"""of sigma: eigenvalues below are motions that nothing resists"""
-BLOCK = 8
-"""vectors of a block, at least"""
-RESIDUAL = 1e-10
-"""of an eigenvalue mu, from which it counts as found"""
-BEYOND = 2
-"""eigenvalues beyond those that are asked for which are found as well"""
-GROWTH = 1.3
-"""of the subspace before its eigenvalues are computed again"""
-ROUNDS = 12
-"""of the iteration that looks for modes beside those that are found"""
-STRAY = 1e-3
-"""residual above which an eigenvalue of the subspace is none of the model"""
-ALIKE = 1e-7
-"""relative difference of an eigenvalue that was found twice"""
+# of sigma: eigenvalues below are motions that nothing resists
+RIGID_EIGENVALUE = 3e-5
+# vectors: double eigenvalues need two, and products of blocks cost little more
+MIN_BLOCK = 8
+# of an eigenvalue mu, from which it counts as found
+EIGEN_RESIDUAL = 1e-10
+# found beyond those that are asked for, so that none of these is missed
+EXTRA_EIGENVALUES = 2
+# of the subspace before its eigenvalues are computed again
+SUBSPACE_GROWTH = 1.3
+# of the iteration that looks for modes beside those that are found
+MAX_ROUNDS = 12
+# above it an eigenvalue of the subspace is none of the model
+STRAY_RESIDUAL = 1e-3
+# relative difference of one that was found twice
+DUPLICATE_EIGENVALUE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +79,13 @@ class Subspace:
     @property
     def found(self) -> NDArray[np.bool_]:
         """Of each eigenvalue of the matrix, whether it is one of the model (p,)."""
-        found: NDArray[np.bool_] = self.errors <= RESIDUAL
+        found: NDArray[np.bool_] = self.errors <= EIGEN_RESIDUAL
         return found
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """Whether it is that of a motion that nothing resists (p,)."""
-        free: NDArray[np.bool_] = np.abs(self.values) < ZERO * self.sigma
+        free: NDArray[np.bool_] = np.abs(self.values) < RIGID_EIGENVALUE * self.sigma
         return free
 
     def lifted(self, vectors: Any) -> Any:
@@ -103,7 +103,7 @@ def slowest(
     sigma: float,
     n: int,
     most: int,
-    block_size: int = BLOCK,
+    block_size: int = MIN_BLOCK,
 ) -> Subspace | None:
     """The subspace of the n slowest modes; None where it would have more than `most` vectors.
 
@@ -114,7 +114,7 @@ def slowest(
     random = np.random.default_rng(0)
     basis, images = np.empty((states, 0)), np.empty((states, 0))
     block, before = random.normal(size=(states, block_size)), None
-    size = 4 * (n + BEYOND + block_size)
+    size = 4 * (n + EXTRA_EIGENVALUES + block_size)
     while size <= min(most, states - block_size):
         while basis.shape[1] < size:
             block = _orthonormal(block, basis)
@@ -124,10 +124,12 @@ def slowest(
         found = _projected(sigma, basis, images)
         first = _first(found, n)
         if first is not None:
-            if before is not None and np.allclose(first, before, rtol=ALIKE, atol=0.0):
+            if before is not None and np.allclose(
+                first, before, rtol=DUPLICATE_EIGENVALUE, atol=0.0
+            ):
                 return found
             before, block = first, _others(apply, found, random.normal(size=(states, block_size)))
-        size = int(GROWTH * size)
+        size = int(SUBSPACE_GROWTH * size)
     return None
 
 
@@ -140,7 +142,7 @@ def _others(apply: Callable[[Array], Array], space: Subspace, block: Array) -> A
     """The slowest motions in a block (states, k) beside those that are found, by iteration."""
     found = space.states(np.flatnonzero(space.found & (space.values.imag >= 0.0)))
     known, _ = np.linalg.qr(np.hstack([found.real, found.imag]))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         block = apply(_orthonormal(block, known))
     return block
 
@@ -161,11 +163,11 @@ def _first(space: Subspace, n: int) -> Array | None:
     """
     upper = np.flatnonzero((space.values.imag >= 0.0) & ~space.free)
     upper = upper[np.argsort(np.abs(space.values[upper]))]
-    found = np.flatnonzero(space.errors[upper] <= RESIDUAL)[: n + BEYOND]
-    if len(found) < n + BEYOND:
+    found = np.flatnonzero(space.errors[upper] <= EIGEN_RESIDUAL)[: n + EXTRA_EIGENVALUES]
+    if len(found) < n + EXTRA_EIGENVALUES:
         return None
     before = space.errors[upper[: found[-1]]]
-    if ((before > RESIDUAL) & (before < STRAY)).any():
+    if ((before > EIGEN_RESIDUAL) & (before < STRAY_RESIDUAL)).any():
         return None
     first: Array = np.abs(space.values[upper[found[:n]]])
     return first

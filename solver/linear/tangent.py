@@ -24,7 +24,9 @@ from ..arrays import Array, Index
 from ..start.jacobian import coupling_jacobian
 from ..start.matrices import dense_of
 from ..step.equations import assemble, linearize
-from ..step.system import Elastic, Pattern, System
+from ..step.records.elastic import Elastic
+from ..step.records.matrix import Pattern
+from ..step.system import System
 from .pose import Pose
 
 

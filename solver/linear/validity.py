@@ -19,8 +19,8 @@ from ..step.gaps import contact_arm
 from .modes import FirstOrder, LinearModes
 from .pose import Pose
 
-SHARE = 0.01
-"""of the inertia of a mode, from which on a body takes part in it"""
+# of the inertia of a mode, from which on a body takes part in it
+MIN_INERTIA_SHARE = 0.01
 _ROTATION = "make its superelement with [rotation], for terms of second order"
 LINEAR_CRITERIA = {
     criterion.name: criterion
@@ -193,4 +193,4 @@ def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:
     first = form.equations.sizes.n_r + sum(body.m for body in form.bodies[:e])
     own: Array = (np.abs(modes.y[first : first + form.bodies[e].m]) ** 2).sum(axis=0)
     whole: Any = (np.abs(form.coordinates @ modes.y) ** 2).sum(axis=0)
-    return float(modes.frequencies[own > SHARE * whole].max(initial=0.0))
+    return float(modes.frequencies[own > MIN_INERTIA_SHARE * whole].max(initial=0.0))

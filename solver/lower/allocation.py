@@ -7,13 +7,14 @@ from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
 
-EVENTS = 256
-"""contacts that can end before the time loop hands them over, and one more of each"""
+# contacts that can end before the time loop hands them over, and one more of each
+EVENT_CAPACITY = 256
 
 
 def sizes_of(system: System, n_steps: int) -> dict[str, int]:
     """The dimensions of `State`, `Workspace` and `Output` by name (step/system.py)."""
     pattern, elastic = system.pattern, system.elastic
+    # Rows of a body's block below its six rigid ones are those of its active dofs.
     owner = pattern.body[pattern.force_block[:, 0]]
     force_rows = pattern.force_block[:, 3] * (pattern.size[owner] - 6)
     return {
@@ -28,7 +29,9 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_r": len(system.couplings.friction.first),
         "n_motors": len(system.couplings.laws.motors.row),
         "n_motor_signals": 3 * len(system.couplings.laws.motors.row),
-        "n_v": EVENTS + len(system.couplings.contact) if len(system.couplings.contact) else 0,
+        "n_v": EVENT_CAPACITY + len(system.couplings.contact)
+        if len(system.couplings.contact)
+        else 0,
         "n_l": len(system.loads.frame),
         "n_t": len(system.patterns.body),
         "n_y": len(system.loads.frame) + len(system.patterns.body),
@@ -65,12 +68,15 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     work.bodies.quaternion_n[:] = motion.quaternion
     for f, pose in enumerate(lowered.frame_poses):
         frames.r[f], frames.D[f] = pose.x, pose.R
+    # Without this, frames that only observe would have no axes before the first step.
     frames.T[:] = np.eye(3)
     work.bodies.J[:] = lowered.system.bodies.J_rot
+    # Loads of the convolution count from step 1; that at t = 0 is kept apart.
     state.past.since[:] = 1
     work.couplings.near[:] = lowered.starts
     work.terms.near[:] = lowered.term_starts
     state.couplings.memory[:] = lowered.memories
+    # Laws that relax have had for ever to do so before the start.
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts
     return state, work

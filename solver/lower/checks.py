@@ -26,6 +26,7 @@ def check_masses(model: Model) -> None:
         names = [side.partition(".")[0] for side in joint.between]
         if GROUND in names:
             continue
+        # Of a pivot m_light + m_heavy, the light mass is what rounding loses.
         light, heavy = sorted(names, key=lambda name: model.bodies[name].mass)
         least, most = model.bodies[light].mass, model.bodies[heavy].mass
         if most > LARGEST_MASS_RATIO * least:
@@ -44,6 +45,7 @@ def check_moments(model: Model, frames: NumberedFrames, rows: Mapping[str, Seque
     causes: dict[str, str] = {}
     for coupling in model.couplings:
         causes |= coupling.loaded_by_moments(rows[coupling.name])
+    # Loads last: where both ask for moments, the torque is named.
     causes |= {load.on: f"torque on {load.on!r}" for load in model.frame_loads if load.kind.moment}
     for frame, cause in causes.items():
         f = frames.number(frame)

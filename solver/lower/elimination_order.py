@@ -29,19 +29,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Index, as_index
-from ..step.system import Couplings, Elastic, Frames, Pattern
+from ..step.records.couplings import Couplings
+from ..step.records.elastic import Elastic
+from ..step.records.frames import Frames
+from ..step.records.matrix import Pattern
 
-GROUND = -1
+GROUND_NODE = -1
 Pairs = Set[tuple[int, int]]
 """of bodies, between which the terms of a coupler are"""
 MOST_IN_CLIQUE = 64
 """nodes beside one, of which it is seen whether all are connected"""
-EMPTY: Mapping[int, Pairs] = MappingProxyType({})
-"""no couplers"""
+NO_COUPLERS: Mapping[int, Pairs] = MappingProxyType({})
 
 
 class Edge(NamedTuple):
-    """A coupling between two bodies; `GROUND` for what is fixed in space."""
+    """A coupling between two bodies; `GROUND_NODE` for what is fixed in space."""
 
     coupling: int
     a: int
@@ -66,6 +68,7 @@ def lay_out_pattern(
     body_size[elastic.body] += np.diff(elastic.active_range)
     row_count = np.diff(couplings.range)
     size_of = {Node(True, b): n for b, n in enumerate(body_size.tolist())}
+    # Couplings whose rows are all redundant have no node.
     size_of |= {Node(False, j): n for j, n in enumerate(row_count.tolist()) if n}
     order = elimination_order(size_of, edges, couplers)
     position = {node: k for k, node in enumerate(order)}
@@ -80,7 +83,7 @@ def lay_out_pattern(
 
     def blocks_of(j: int, numbers: tuple[int, int]) -> Iterator[tuple[int, tuple[int, int]]]:
         """The blocks of node j and two bodies, by their places in `coupling_block`."""
-        a, b = (None if n == GROUND else body[n] for n in numbers)
+        a, b = (None if n == GROUND_NODE else body[n] for n in numbers)
         for n, (i, k) in enumerate([(a, b), (b, a), (a, j), (j, a), (b, j), (j, b), (j, j)]):
             if i is not None and k is not None:
                 yield n, layout.block(i, k)
@@ -124,7 +127,7 @@ def lay_out_pattern(
 
 
 def elimination_order(
-    size: Mapping[Node, int], edges: Sequence[Edge], couplers: Mapping[int, Pairs] = EMPTY
+    size: Mapping[Node, int], edges: Sequence[Edge], couplers: Mapping[int, Pairs] = NO_COUPLERS
 ) -> list[Node]:
     """All nodes, each when its pivot is regular, in an order that costs little.
 
@@ -133,6 +136,7 @@ def elimination_order(
     """
     n_bodies = sum(node.is_body for node in size)
     forest = _grow(n_bodies, [edge for edge in edges if edge.coupling not in couplers])
+    # A body with active dofs can take forces of several rows at once without being held.
     flexible = {node.number for node, n in size.items() if node.is_body and n > 6}
     awaited = _awaited_bodies(edges, couplers, forest, flexible)
     graph = _Graph(size, _cliques(edges, couplers))
@@ -142,10 +146,10 @@ def elimination_order(
 def _cliques(edges: Sequence[Edge], couplers: Mapping[int, Pairs]) -> Iterator[list[Node]]:
     """Nodes between all of which there are blocks: each coupling with its bodies."""
     for edge in edges:
-        bodies = {edge.a, edge.b} - {GROUND}
+        bodies = {edge.a, edge.b} - {GROUND_NODE}
         yield [Node(False, edge.coupling), *(Node(True, b) for b in sorted(bodies))]
     for j, pairs in couplers.items():
-        bodies = {b for pair in pairs for b in pair} - {GROUND}
+        bodies = {b for pair in pairs for b in pair} - {GROUND_NODE}
         yield [Node(False, j), *(Node(True, b) for b in sorted(bodies))]
 
 
@@ -177,6 +181,7 @@ def _from_the_leaves(
 
     Of equal costs the first in this order is taken.
     """
+    # The forest is in the order of breadth, roots first: reversed, leaves come first.
     place = {b: k for k, b in enumerate(reversed(list(forest)))}
     after: list[list[int]] = [[] for _ in range(len(forest) + 1)]
     for j, bodies in awaited.items():
@@ -211,11 +216,14 @@ def _cheapest_first(
     order: list[Node] = []
     while queue:
         expected, _, node = heapq.heappop(queue)
+        # heapq cannot change a priority: each change pushes a new entry, and old ones are passed
+        # over.
         if cost.get(node) != expected:
             continue  # eliminated, or of another cost since
         del cost[node]
         order.append(node)
         changed = graph.eliminate(node)
+        # The rest is a dense matrix: further search would cost time and save nothing.
         if len(changed) == len(graph):  # all are connected: no order costs less
             return order + sorted(changed, key=rank.__getitem__)
         for coupling in waiting.get(node, ()):
@@ -245,8 +253,10 @@ class _Graph:
 
     def cost(self, node: Node) -> int:
         """Products of numbers by which the node is eliminated; 0 if that fills nothing."""
+        # All its neighbors are connected already: elimination adds no block.
         if self._is_clique(self._beside[node]):
             return 0
+        # Multiplications of an update of rank `size` on a square of `width`.
         return self._size[node] * self._width[node] ** 2
 
     def eliminate(self, node: Node) -> set[Node]:
@@ -303,24 +313,26 @@ def _grow(n_bodies: int, edges: Sequence[Edge]) -> dict[int, tuple[int, int | No
 
     Joints lead first, springs where there are none; a body that nothing reaches is a root.
     """
-    neighbors: dict[int, list[tuple[int, Edge]]] = {b: [] for b in range(GROUND, n_bodies)}
+    neighbors: dict[int, list[tuple[int, Edge]]] = {b: [] for b in range(GROUND_NODE, n_bodies)}
     for edge in edges:
         neighbors[edge.a].append((edge.b, edge))
         neighbors[edge.b].append((edge.a, edge))
     forest: dict[int, tuple[int, int | None]] = {}
-    reached = deque([GROUND])
+    # Breadth first: short branches make loops that wait for few bodies.
+    reached = deque([GROUND_NODE])
     sprung: deque[tuple[int, int]] = deque()
     unreached = iter(range(n_bodies))
     while len(forest) < n_bodies or reached:
         if not reached:
-            b, parent = sprung.popleft() if sprung else (next(unreached), GROUND)
+            # Only where joints lead no farther: a spring says nothing about pivots.
+            b, parent = sprung.popleft() if sprung else (next(unreached), GROUND_NODE)
             if b in forest:
                 continue
             forest[b] = (parent, None)
             reached.append(b)
         b = reached.popleft()
         for other, edge in neighbors[b]:
-            if other == GROUND or other in forest:
+            if other == GROUND_NODE or other in forest:
                 continue
             if edge.spring:
                 sprung.append((other, b))
@@ -336,13 +348,14 @@ def _loop(
     """The bodies on the ways from a and b to the one in which they meet, and that if it bends."""
     from_a, from_b = _path(a, forest), set(_path(b, forest))
     meeting = next(body for body in from_a if body in from_b)
+    # The symmetric difference: bodies of one way alone, without what both share above the meeting.
     return (set(from_a) ^ from_b) | ({meeting} & flexible)
 
 
 def _path(b: int, forest: Mapping[int, tuple[int, int | None]]) -> list[int]:
     """A body and its ancestors, the ground last."""
     path = [b]
-    while path[-1] != GROUND:
+    while path[-1] != GROUND_NODE:
         path.append(forest[path[-1]][0])
     return path
 
@@ -355,6 +368,7 @@ def _fill(n: int, cliques: Sequence[Sequence[int]]) -> list[list[int]]:
             later[k].update(i for i in clique if i > k)
     for nodes in later:
         if nodes:
+            # Fill goes on to the next node that is eliminated: the elimination tree passes it down.
             nearest = min(nodes)
             later[nearest] |= nodes - {nearest}
     return [sorted(nodes) for nodes in later]
@@ -375,6 +389,7 @@ class _Layout:
             self.column.append(dict(zip((k, *nodes), starts, strict=False)))
             self.width.append(starts[-1])
             self.row.append(self.n_numbers)
+            # Blocks below the diagonal follow the rows of a node, stored by columns of it.
             self.lower.append(self.n_numbers + size[k] * starts[-1])
             self.n_numbers = self.lower[k] + size[k] * (starts[-1] - size[k])
 

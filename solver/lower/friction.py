@@ -21,6 +21,7 @@ def inertia_between(coupling: Coupling, model: Model, poses: Mapping[str, Pose])
         return _reduced([_about(axis, model, poses, *side) for side in sides])
 
     named = (side.partition(".") for side in coupling.between)
+    # The closure reads `sides` when it is called: the ground has no inertia, and so no term.
     sides = [(body, frame) for body, _, frame in named if body != GROUND]
     return inertia
 
@@ -35,4 +36,5 @@ def _about(axis: Array, model: Model, poses: Mapping[str, Pose], name: str, fram
     body, own = model.bodies[name], poses[name].R.T @ axis
     lever = body.frames[frame].position if frame else np.zeros(3)
     arm = np.cross(own, lever)
+    # Steiner: the axis goes through the frame, not the center of mass.
     return float(own @ body.inertia @ own + body.mass * arm @ arm)

@@ -15,8 +15,12 @@ from ..model.loads import AnyLoad
 from ..model.model import Model
 from ..model.settings import StartFrom
 from ..signals.signal import Signal, SmoothSignal
+from ..step.records.bodies import Bodies
+from ..step.records.couplings import Couplings
+from ..step.records.elastic import Elastic, Sensors
+from ..step.records.loads import LoadPatterns, Loads
 from ..step.rows import measures_length
-from ..step.system import Bodies, Couplings, Elastic, LoadPatterns, Loads, Sensors, System
+from ..step.system import System
 from .checks import check_assembled, check_masses, check_moments
 from .elimination_order import lay_out_pattern
 from .friction import inertia_between
@@ -76,7 +80,7 @@ class LoweredModel:
 
     @property
     def ratio(self) -> int:
-        """Of the longest step to the shortest."""
+        """The ratio of the longest step to the shortest."""
         return int(self.system.scheme.ratio)
 
     @property
@@ -122,6 +126,7 @@ def lower(
     size = model_size(model, poses, frames)
     if not (model.settings.assemble or isinstance(model.settings.start, StartFrom)):
         check_assembled(model, size, frames)
+    # After the rows are made: whether one measures an angle is known only then.
     check_moments(model, frames, rows)
     check_masses(model)
     elastic, responses = lay_out_elastic(model, frames.arrays, stepping)
@@ -142,6 +147,7 @@ def lower(
         model=model,
         system=system,
         scheme=stepping.scheme,
+        # Counted in short steps, but always a whole number of long ones.
         n_steps=stepping.ratio * round_up(model.settings.t_end / stepping.in_flight.h),
         horizon=Horizon(stepping.planned, stepping.n_steps),
         without=without,
@@ -156,7 +162,7 @@ def lower(
         memories=np.array([number for law in laws for number in law.memories()], dtype=float),
         term_starts=np.array([t.row.start for r in laid_out for t in r.terms], dtype=float),
         drives=drives,
-        drive_starts=np.array([x for row in laid_out for x in _drawn(row)], dtype=float),
+        drive_starts=np.array([x for row in laid_out for x in _drive_starts(row)], dtype=float),
         load_signals=[load.signal for load in _loads_of(model)],
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
@@ -172,6 +178,7 @@ def _in_flight(
     if stepping.ratio == 1:
         return None
     elastic, _ = lay_out_elastic(model, frames.arrays, stepping.in_flight)
+    # All other arrays are shared: both sizes of steps change one state.
     return system.replace(scheme=lay_out_scheme(stepping.in_flight), elastic=elastic)
 
 
@@ -184,13 +191,14 @@ def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict
         for row in coupling.rows([frames.sides(framing) for framing in coupling.framed_by]):
             if number not in without:
                 rows[coupling.name].append(row)
+            # Counted over all rows, left out or not: `without` has the numbers of the whole model.
             number += 1
     return rows
 
 
-def _drawn(row: Row) -> list[float]:
+def _drive_starts(row: Row) -> list[float]:
     """The values of the drives of a row where the bodies are placed."""
-    return [drive(0.0) if row.drawn is None else row.drawn for drive in row.drives]
+    return [drive(0.0) if row.reference is None else row.reference for drive in row.drives]
 
 
 def _bristles(
@@ -219,6 +227,7 @@ def _lay_out_bodies(
 ) -> Bodies:
     bodies = model.bodies.values()
     rows, hard = couplings.rows, couplings.compliant == 0
+    # Bodies that no constraint holds: their angular momentum must be conserved, and is checked.
     held = frames.arrays.body[np.concatenate([rows.frame_a[hard], rows.frame_b[hard]])]
     free = np.ones(len(bodies), dtype=bool)
     free[held[held >= 0]] = False
@@ -268,6 +277,7 @@ def _lay_out_sensors(model: Model, elastic: Elastic) -> Sensors:
         dof = int(elastic.dof[e]) + element.n_c + len(element.patterns)
         for sensor in element.sensors:
             for c in range(len(sensor.channels)):
+                # Strains and stresses have no axis: they turn with the body as they are.
                 axis = c if sensor.kind == "motion" else -1
                 rows.append((int(elastic.body[e]), dof, axis))
                 places.append(sensor.X)

@@ -8,8 +8,8 @@ from ..couplings.coupling import GROUND, Coupling, side_names
 from ..couplings.rows import Pose, Sides
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
+from ..step.records.frames import Frames
 from ..step.rotations import quaternion_of
-from ..step.system import Frames
 from .placement import frame_pose
 
 
@@ -44,9 +44,11 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
         for name, side, other in zip(
             side_names(coupling), (first, second), (second, first), strict=True
         ):
+            # The bare ground has a frame of its own for each coupling, where the other side starts.
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
     for load in model.frame_loads:
         named[load.on] = frame_pose(model, poses, load.on)
+    # Frames with couplings and loads come first: the loop over forces ends there.
     n_acting = len(named)
     for body in model.bodies:
         for frame in model.frames_of(body):
@@ -71,6 +73,7 @@ def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:
         rotations=np.zeros(n, dtype=np.int64),
     )
     n_active = 0
+    # Columns 0 to 5 of a body's block are its rigid coordinates.
     n_columns = np.full(len(body_numbers), 6)
     # Active dofs are numbered body by body, so that the bodies' ranges are contiguous.
     by_dof = sorted(range(n), key=lambda f: first_dof.get(frame_names[f], -1))

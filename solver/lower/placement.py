@@ -17,10 +17,11 @@ def place_bodies(model: Model) -> dict[str, Pose]:
     poses = {GROUND: Pose(np.zeros(3), np.eye(3))}
     waiting = dict(model.bodies)
     while waiting:
+        # Bodies wait until that on which they are placed has its pose; a circle never gets one.
         ready = [name for name in waiting if _support(model, name) in (None, *poses)]
         if not ready:
             raise ModelError(
-                f"bodies {', '.join(waiting)}: they are placed on one another in a circle"
+                f"bodies {', '.join(waiting)}: they are placed on one another in a cycle"
             )
         for name in ready:
             poses[name] = _pose(model, name, poses)
@@ -45,5 +46,6 @@ def _pose(model: Model, name: str, poses: Mapping[str, Pose]) -> Pose:
         return Pose(start.position, rotation_matrix(start.rotation))
     frame = model.bodies[name].frames[start.place.frame] if start.place.frame else Frame()
     target = frame_pose(model, poses, start.place.on)
+    # Frame on frame: R R_frame = R_target.
     R = target.R @ rotation_matrix(frame.rotation).T
     return Pose(target.x - R @ frame.position, R)

@@ -8,7 +8,9 @@ from ..arrays import Array, Index, as_index, as_rows
 from ..couplings.friction import Bristle
 from ..couplings.rows import Row
 from ..signals.signal import SmoothSignal
-from ..step.system import Couplings, Friction, Laws, Motors, Rows, Terms
+from ..step.records.contacts import Friction
+from ..step.records.couplings import Couplings, Rows, Terms
+from ..step.records.laws import Laws, Motors
 
 
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
@@ -48,7 +50,9 @@ def _lay_out_terms(couplings: Sequence[list[Row]]) -> Terms:
         ratio=np.array([term.ratio for term, _, _ in terms], dtype=np.float64),
         row=as_index([before[j] + i for _, i, j in terms]),
         number=as_index([i for _, i, _ in terms]),
-        own=as_index([j if term.own else -1 for term, _, j in terms]),
+        own=as_index([j if term.same_frames else -1 for term, _, j in terms]),
+        # Ranges of n rows have n + 1 ends, so that row i has range[i] to range[i + 1] without a
+        # test.
         range=as_index(np.cumsum([0, *(len(row.terms) for rows in couplings for row in rows)])),
     )
 
@@ -76,6 +80,7 @@ def lay_out_couplings(
         switching=as_index(np.flatnonzero(np.array(contacts, bool) | np.array(rub, bool))),
         n_compliant=sum(row.compliant for row in rows),
         range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
+        # Forces are recorded on the second frame as the model names it: in a swapped row that is A.
         second=as_index([0 if row.swapped else 6 for row in rows]),
         drive=first,
         driven=as_index(np.repeat(np.arange(len(rows)), [len(row.drives) for row in rows])),
@@ -95,6 +100,7 @@ def _lay_out_friction(rows: Sequence[Row], bristles: Sequence[Bristle]) -> Frict
     coefficients = [bristle.coefficient for bristle in bristles]
     return Friction(
         first=as_index(first),
+        # argmin of booleans: the first False, which the sentinel provides at the end.
         n=as_index([int(np.argmin([*rub[i:], False])) for i in first]),
         static=np.array([mu.static for mu in coefficients], dtype=float),
         sliding=np.array([mu.sliding for mu in coefficients], dtype=float),
@@ -142,6 +148,7 @@ def _lay_out_motors(rows: Sequence[Row]) -> Motors:
 
 
 def _six_wide(vectors: Sequence[Array | None]) -> Array:
+    # Couplings have at most six compliant rows: fixed width, so that compiled code needs no ranges.
     out = np.zeros((len(vectors), 6))
     for i, vector in enumerate(vectors):
         if vector is not None:

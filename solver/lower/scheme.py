@@ -7,14 +7,14 @@ from ..errors import ModelError
 from ..history.layout import Horizon, Stepping
 from ..model.bodies import RigidSuperelement
 from ..model.model import Model
-from ..step.system import Newton, Scheme
+from ..step.records.scheme import Newton, Scheme
 
 MOST_STEPS = 1e15
 """of a run: they are counted, and times are multiples of the step, in double precision"""
-WHOLE = 1e-9
-"""relative error of a step that is a whole fraction of another"""
-REUSE = 1e-2
-"""ratio of successive corrections above which the matrix is made anew: the cheapest in trials"""
+# of a step that is a whole fraction of another: decimal numbers are rounded
+WHOLE_FRACTION_TOLERANCE = 1e-9
+# ratio of successive corrections above which the matrix is made anew: the cheapest in trials
+MAX_CONTRACTION = 1e-2
 LARGEST_WITH_CONSTRAINTS = 0.99
 """rho_inf up to which multipliers forget their rounding: they carry it on as k^2 rho_inf^k"""
 
@@ -44,6 +44,7 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
     return Stepping(
         h=h / ratio,
         scheme=GeneralizedAlpha(rho_inf),
+        # A kernel is cut at the end of a run: one that goes on needs those of the longer run.
         n_steps=max(n_steps, earlier.steps if earlier else 0),
         weight=1.0 if settings.rule == "consistent" else 0.5,
         planned=earlier.planned if earlier else n_steps,
@@ -52,7 +53,7 @@ def stepping_of(model: Model, earlier: Horizon | None = None) -> Stepping:
 
 
 def _superelements(model: Model) -> dict[str, Superelement]:
-    """Those whose step and scheme count: of flexible bodies, or where there are none of rigid ones.
+    """The superelements whose step and scheme count: of flexible bodies, else of rigid ones.
 
     So that a model keeps its step where its only flexible body is made rigid.
     """
@@ -72,7 +73,7 @@ def _ratio(model: Model, h: float) -> int:
     if not model.contacts and not model.stops:
         raise ModelError("simulation: contact_step: the model has no contacts or stops")
     ratio = round(h / short)
-    if ratio < 2 or abs(ratio * short - h) > WHOLE * h:
+    if ratio < 2 or abs(ratio * short - h) > WHOLE_FRACTION_TOLERANCE * h:
         raise ModelError(
             "simulation: contact_step: expected a half, a third, or another whole fraction of the "
             f"step, {h:.9g} s, got {short:.9g}"
@@ -108,7 +109,7 @@ def lay_out_newton(model: Model) -> Newton:
         tolerance=model.settings.tolerance,
         max_iterations=model.settings.max_iterations,
         fixed_iterations=fixed_iterations or 0,
-        reuse=np.inf if fixed_iterations else REUSE,
+        reuse=np.inf if fixed_iterations else MAX_CONTRACTION,
     )
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from ...superelement import Rotation, Superelement
 from ...superelement.rotation import N_INERTIA_CHANGES
 from ..arrays import Array
-from ..schema.entry import Beside, Entry, entry
-from ..schema.values import ABSENT, ORIGIN, FrameName, Inertia, Name, Positive, Vector
+from ..schema.entry import Entry, Flattened, entry
+from ..schema.values import NO_ARRAY, ZERO_VECTOR, FrameName, Inertia, Name, Positive, Vector
 from .body_shapes import AnyBodyShape
 
 SecondOrder = Literal["auto", "full", "off"]
@@ -26,8 +26,8 @@ class Frame(Entry):
     position (3,) [m] and rotation vector (3,) [rad], in body axes.
     """
 
-    position: Vector = ORIGIN
-    rotation: Vector = ORIGIN
+    position: Vector = ZERO_VECTOR
+    rotation: Vector = ZERO_VECTOR
 
 
 @entry(eq=True)
@@ -51,15 +51,15 @@ class Start(Entry):
     [rad/s].
     """
 
-    position: Vector = ORIGIN
-    rotation: Vector = ORIGIN
+    position: Vector = ZERO_VECTOR
+    rotation: Vector = ZERO_VECTOR
     place: Place | None = None
-    velocity: Vector = ORIGIN
-    angular_velocity: Vector = ORIGIN
+    velocity: Vector = ZERO_VECTOR
+    angular_velocity: Vector = ZERO_VECTOR
 
     def validate(self) -> None:
         if self.place is not None and (self.position.any() or self.rotation.any()):
-            raise self.error("a body starts by `place` or by `position` and `rotation`, got both")
+            raise self.error("expected `place`, or `position` and `rotation`, got both")
 
 
 @entry()
@@ -67,23 +67,25 @@ class RigidBody(Entry):
     """A rigid body with named frames.
 
     mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
-    principal inertia exceeds the sum of the other two: no distribution of mass has such a one.
+    principal inertia exceeds the sum of the other two, which no distribution of mass allows.
     frames: by name; in Python a position (3,) [m] stands for a frame along the body axes.
-    shape: what it looks like, of which nothing else depends; by default a box of its inertia.
+    shape: how pictures show it, without effect on the motion; by default a box of its inertia.
     """
 
     mass: Positive
     inertia: Inertia
     frames: Mapping[str, Frame] = field(default_factory=dict)
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
-    shape: AnyBodyShape | None = ABSENT
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
+    shape: AnyBodyShape | None = NO_ARRAY
 
     def validate(self) -> None:
         frames = {
             name: frame if isinstance(frame, Frame) else Frame(frame)
             for name, frame in self.frames.items()
         }
+        # The class is frozen: here alone, while it is made, positions become frames.
         object.__setattr__(self, "frames", frames)
+        # A real body has J_3 <= J_1 + J_2; a plate has equality, which rounding may exceed.
         principal = np.linalg.eigvalsh(self.inertia).tolist()
         if not principal[0] > 0.0:
             raise self.error(f"inertia: expected positive principal values, got {principal}")
@@ -122,7 +124,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     """
 
     superelement: Superelement
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
     source: str = ""
     second_order: SecondOrder = "auto"
 
@@ -137,6 +139,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     @property
     def rotation(self) -> Rotation | None:
         """The terms of second order, None where it has none."""
+        # "auto" and "full" are the same here: `validate` has refused "full" without such terms.
         return None if self.second_order == "off" else self.superelement.rotation
 
     @property
@@ -146,13 +149,13 @@ class FlexibleBody(_OfSuperelement, Entry):
 
     @property
     def n_inner(self) -> int:
-        """Those of terms of second order, six of inertia and q, which follow."""
+        """Elastic dofs of terms of second order: six of inertia, then the coordinates q."""
         second = self.rotation
         return 0 if second is None else N_INERTIA_CHANGES + second.r
 
     @property
     def n_dofs(self) -> int:
-        """All elastic dofs."""
+        """The number of elastic dofs, outer and inner ones."""
         return self.n_outer + self.n_inner
 
 
@@ -165,7 +168,7 @@ class RigidSuperelement(_OfSuperelement, Entry):
     """
 
     superelement: Superelement
-    start: Annotated[Start, Beside()] = field(default_factory=Start)
+    start: Annotated[Start, Flattened()] = field(default_factory=Start)
     source: str = ""
 
     def validate(self) -> None:

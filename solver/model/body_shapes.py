@@ -1,4 +1,4 @@
-"""Shapes of rigid bodies, which pictures show and nothing else depends on."""
+"""Shapes of rigid bodies in pictures; the motion does not depend on them."""
 
 import io
 from contextlib import redirect_stderr, redirect_stdout
@@ -13,14 +13,14 @@ from ...inputs import expected
 from ...superelement import Outline, SuperelementError, figures
 from ...superelement.cells import padded
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
 from ..schema.paths import FilePath
 from ..schema.tables import read_member
-from ..schema.values import ORIGIN, Direction, Positive, Vector, vector
+from ..schema.values import ZERO_VECTOR, Direction, Positive, Vector, vector
 
 BODY_SHAPES = Family("shape")
-FACETS = ("triangle", "quad", "triangle6", "quad8", "quad9")
+FACET_CELLS = ("triangle", "quad", "triangle6", "quad8", "quad9")
 """cells of a surface, as meshio calls them"""
 E_Z: Any = (0.0, 0.0, 1.0)
 
@@ -35,11 +35,11 @@ def _edges(value: Any) -> Any:
 _EdgesInFile = Annotated[
     tuple[float, float, float], AfterValidator(_edges), expected("three positive numbers")
 ]
-Edges = Annotated[np.ndarray, Takes("three positive numbers", _edges, _EdgesInFile)]
+Edges = Annotated[np.ndarray, FieldSpec("three positive numbers", _edges, _EdgesInFile)]
 
 
 class BodyShape(Protocol):
-    """What a rigid body looks like."""
+    """The shape by which pictures show a rigid body."""
 
     @property
     def outline(self) -> Outline:
@@ -51,8 +51,8 @@ class BodyShape(Protocol):
 class Box(Entry):
     """A box with edges (3,) [m] along the body axes about a center (3,) [m]."""
 
-    edges: Annotated[Edges, Key("box")]
-    center: Vector = ORIGIN
+    edges: Annotated[Edges, NameInFile("box")]
+    center: Vector = ZERO_VECTOR
 
     @property
     def outline(self) -> Outline:
@@ -74,7 +74,7 @@ class Cylinder(Entry):
     """A cylinder with its middle at a center (3,) [m]."""
 
     cylinder: CylinderSize
-    center: Vector = ORIGIN
+    center: Vector = ZERO_VECTOR
 
     @property
     def outline(self) -> Outline:
@@ -87,8 +87,8 @@ class Cylinder(Entry):
 class Sphere(Entry):
     """A sphere of a radius [m] about a center (3,) [m]."""
 
-    radius: Annotated[Positive, Key("sphere")]
-    center: Vector = ORIGIN
+    radius: Annotated[Positive, NameInFile("sphere")]
+    center: Vector = ZERO_VECTOR
 
     @property
     def outline(self) -> Outline:
@@ -103,12 +103,12 @@ class Surface(Entry):
     Its coordinates, times `scale` [m], are in body axes from a point at `center` (3,) [m].
     """
 
-    file: Annotated[FilePath, Key("stl")]
+    file: Annotated[FilePath, NameInFile("stl")]
     scale: Positive = 1.0
-    center: Vector = ORIGIN
+    center: Vector = ZERO_VECTOR
 
     def validate(self) -> None:
-        self.outline  # noqa: B018 - read once, so that a file which is none is told at once
+        self.outline  # noqa: B018 - read once, so that an unreadable file is reported at once
 
     @cached_property
     def outline(self) -> Outline:
@@ -128,10 +128,12 @@ def _facets(path: str) -> tuple[Any, Any]:
         raise ModelError(f"stl: {path}: no such file") from error
     except (FileError, OSError) as error:
         raise ModelError(f"stl: {path}: cannot be read: {in_one_line(error)}") from error
-    blocks = [np.asarray(block.data) for block in mesh.cells if block.type in FACETS]
+    # Files of meshes have lines and volumes beside the surface, which no picture needs.
+    blocks = [np.asarray(block.data) for block in mesh.cells if block.type in FACET_CELLS]
     if not sum(map(len, blocks)):
         raise ModelError(f"stl: {path}: expected facets of a surface, found none")
     points = np.zeros((len(mesh.points), 3))
+    # A file of a flat surface may have two coordinates for each point.
     points[:, : np.shape(mesh.points)[1]] = mesh.points
     return points, padded(blocks)
 
@@ -142,6 +144,7 @@ def _read(path: str) -> Any:
 
     quiet = io.StringIO()
     try:
+        # meshio prints to the terminal, and calls sys.exit for a format that it does not know.
         with redirect_stdout(quiet), redirect_stderr(quiet), np.errstate(all="ignore"):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
@@ -160,5 +163,5 @@ def _shape(value: Any) -> BodyShape:
 AnyBodyShape = Annotated[
     BodyShape,
     BODY_SHAPES,
-    Takes("a shape: Box, Cylinder, Sphere or Surface", _shape, Any),
+    FieldSpec("a shape: Box, Cylinder, Sphere or Surface", _shape, Any),
 ]

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
@@ -22,7 +23,7 @@ from ..couplings.springs import Spring
 from ..couplings.stops import Stop
 from ..errors import ModelError, about
 from ..laws.law import FORCE_LAWS
-from ..schema.entry import filled
+from ..schema.entry import Entry, filled
 from ..schema.json_schema import definition
 from ..schema.paths import beside, relative
 from ..schema.tables import (
@@ -35,8 +36,8 @@ from ..schema.tables import (
     tables_of,
     value_of,
 )
-from ..schema.values import ORIGIN
-from ..signals.signal import SIGNALS
+from ..schema.values import ZERO_VECTOR
+from ..signals.signal import SIGNAL_FORMS
 from .bodies import (
     Body,
     FlexibleBody,
@@ -50,11 +51,20 @@ from .body_shapes import BODY_SHAPES
 from .loads import LOADS
 from .model import Model
 from .output_request import OutputRequest
-from .settings import INTERVALS, Settings, StartFrom
+from .settings import INTERVAL_FORMS, Settings, StartFrom
 
-LISTS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+ARRAYS_OF_TABLES = (
+    "joints",
+    "springs",
+    "motions",
+    "loads",
+    "contacts",
+    "stops",
+    "motors",
+    "couplers",
+)
 """the arrays of tables, in the order in which they are written"""
-MOTIONS = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
+MOTION_CLASSES = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
 class _Body(Table):
@@ -76,9 +86,12 @@ class _Body(Table):
 
     @model_validator(mode="after")
     def _rigid_or_flexible(self) -> "_Body":
+        # Those that a rigid body alone has; keys of the start belong to both kinds.
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
-            raise ValueError(f"the superelement brings {', '.join(both)}: give either, not both")
+            raise ValueError(
+                f"the superelement already gives {', '.join(both)}: leave these keys out"
+            )
         if self.superelement is None and self.second_order is not None:
             raise ValueError("second_order belongs to flexible bodies, found no superelement")
         if self.superelement is None and self.rigid is not None:
@@ -103,15 +116,19 @@ def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
 
 _BODY: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
 _BODY.documented = RigidBody, Start, FlexibleBody, _Body
+# Motions have no key `type`: all keys are optional here, and `_motion` finds the kind by them.
 _MOTION: Any = create_model(
     "Motion",
     __base__=Table,
-    **_optional({key: kind for motion in MOTIONS for key, kind in keys_of(motion).items()})
+    **_optional({key: kind for motion in MOTION_CLASSES for key, kind in keys_of(motion).items()})
     | {"name": (str, ""), "on": (str, ...)},
 )
-_MOTION.documented = MOTIONS
+_MOTION.documented = MOTION_CLASSES
+# In files `output` is a table of its own, not a key of [simulation].
 _SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
-_SIMULATION: Any = create_model("Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ORIGIN))
+_SIMULATION: Any = create_model(
+    "Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ZERO_VECTOR)
+)
 _SIMULATION.documented = (Settings,)
 
 
@@ -124,8 +141,8 @@ class _ModelFile(Table):
     output: table_of(OutputRequest) = table_of(OutputRequest)()  # type: ignore[valid-type]
     bodies: dict[str, _BODY] = Field(min_length=1)
     ground: _Ground = _Ground()
-    joints: tuple[table_of_kinds(JOINTS), ...] = ()  # type: ignore[valid-type]
-    loads: tuple[table_of_kinds(LOADS), ...] = ()  # type: ignore[valid-type]
+    joints: tuple[Any, ...] = ()
+    loads: tuple[Any, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
     contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
@@ -134,15 +151,30 @@ class _ModelFile(Table):
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
 
 
-FAMILIES = SIGNALS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVALS, BODY_SHAPES
+def _model_file() -> Any:
+    """The table of a model file, with all kinds of joints and loads that are known by now."""
+    return _model_file_of(*JOINTS.values(), *LOADS.values())
+
+
+# Made when files are read: programs may have added kinds since this module was imported.
+@cache
+def _model_file_of(*known: type[Entry]) -> Any:
+    kinds: dict[str, Any] = {
+        "joints": (tuple[table_of_kinds(JOINTS), ...], ()),  # type: ignore[misc]
+        "loads": (tuple[table_of_kinds(LOADS), ...], ()),  # type: ignore[misc]
+    }
+    return create_model("ModelFile", __base__=_ModelFile, **kinds)
+
+
+ENTRY_FAMILIES = SIGNAL_FORMS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVAL_FORMS, BODY_SHAPES
 
 
 def model_schema() -> dict[str, Any]:
     """The JSON schema of model files, by which editors complete and check them."""
-    tables = {family: tables_of(family) for family in FAMILIES}
+    tables = {family: tables_of(family) for family in ENTRY_FAMILIES}
     families = {family.title: definition(family, own) for family, own in tables.items()}
     members = [table for own in tables.values() for table in own.values()]
-    return document_of(_ModelFile, "A model file of Duhamel", families, members)
+    return document_of(_model_file(), "A model file of Duhamel", families, members)
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -153,9 +185,10 @@ def read_model(path: str | os.PathLike[str]) -> Model:
     """
     path = Path(path)
     try:
-        file, text = read_table(path, _ModelFile)
+        file, text = read_table(path, _model_file())
     except InputError as error:
         raise ModelError(str(error)) from error
+    # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
         return _model(file, text, path)
 
@@ -173,6 +206,8 @@ def write_model(model: Any, path: Any, /) -> None:
     """
     model, path = object_and_path(model, path)
     path = Path(path)
+    # The document is complete before the file is opened: a model that cannot be written leaves
+    # none.
     with beside(path.parent):
         document = _document(model, path.parent)
     with renamed_when_whole(path) as temporary:
@@ -182,7 +217,7 @@ def write_model(model: Any, path: Any, /) -> None:
 def _model(file: _ModelFile, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
     simulation = present_keys(file.simulation)
-    gravity = simulation.pop("gravity", ORIGIN)
+    gravity = simulation.pop("gravity", ZERO_VECTOR)
     settings = entry_of(Settings, simulation | {"output": file.output})
     if isinstance(settings.start, StartFrom):
         settings = replace(settings, start=settings.start.beside(path.parent))
@@ -214,7 +249,9 @@ def _body(
         if "superelement" not in values:
             return entry_of(RigidBody, values)
         source = folder / values["superelement"]
+        # Bodies of the same superelement share it, and so the memory of its kernels.
         if source not in superelements:
+            # Fields of the surface are large, and no step needs them: results read them when asked.
             superelements[source] = read(source, recovery=False)
         start = entry_of(Start, values)
         if values.get("rigid", False):
@@ -228,17 +265,18 @@ def _body(
 def _motion(values: dict[str, Any]) -> Any:
     """A motion of the kind that has these keys."""
     values = {"name": ""} | values
-    for kind in MOTIONS:
+    for kind in MOTION_CLASSES:
         known = keys_of(kind)
         needed = {key for key, (_, default) in known.items() if default is ...}
+        # `start` and `name` stand in all kinds: only a driven coordinate tells them apart.
         driven = any(key in values for key in kind.keys)
         if driven and needed <= values.keys() <= known.keys():
             return entry_of(kind, values)
     present = " and ".join(key for key in values if key not in ("name", "on", "start")) or "none"
     raise ModelError(
-        f"{filled(MOTIONS[0].label, values)}: expected direction and displacement, or axis and "
-        f"angle, found {present}; or angles of three signals; instead of displacement, angle or "
-        "angles their velocity or acceleration"
+        f"{filled(MOTION_CLASSES[0].label, values)}: expected direction and displacement, or axis "
+        f"and angle, found {present}; or angles of three signals; instead of displacement, angle "
+        "or angles their velocity or acceleration"
     )
 
 
@@ -254,8 +292,12 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "output": output,
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
-        **{name: [table_in_file(entry) for entry in getattr(model, name)] for name in LISTS},
+        **{
+            name: [table_in_file(entry) for entry in getattr(model, name)]
+            for name in ARRAYS_OF_TABLES
+        },
     }
+    # Empty tables are left out: a file says only what is not the default.
     return {key: table for key, table in document.items() if table}
 
 

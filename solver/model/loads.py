@@ -38,6 +38,7 @@ class Load(Entry, metaclass=ByType):
     @classmethod
     def of_type(cls, type: str, on: str, *given: Any, **keys: Any) -> "Load":
         """The load of a type that model files know."""
+        # Asked at each call, for users may have declared kinds of their own since.
         kinds = kinds_of(cls)
         if type not in kinds:
             known = ", ".join(map(repr, kinds))
@@ -51,7 +52,7 @@ class Load(Entry, metaclass=ByType):
 
     @property
     def unit(self) -> str:
-        """That of its signal."""
+        """The unit of its signal."""
         return ""
 
     @property
@@ -60,7 +61,7 @@ class Load(Entry, metaclass=ByType):
         return ()
 
     def unloaded(self) -> "Load":
-        """It without what acts at rest, as linear analyses of a model at rest take it."""
+        """This load without the part that acts at rest, for linear analyses at rest."""
         return self
 
 
@@ -161,7 +162,7 @@ class PatternLoad(Entry):
 
     @property
     def owner_of_pattern(self) -> str:
-        """BODY.PATTERN."""
+        """The pattern with its body, as BODY.PATTERN."""
         return f"{self.body}.{self.pattern}"
 
     def pattern_of(self, element: Superelement) -> Pattern:

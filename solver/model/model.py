@@ -19,7 +19,7 @@ from ..couplings.springs import Spring
 from ..couplings.stops import Stop
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
-from ..schema.values import NONE, ORIGIN, Several, Vector
+from ..schema.values import NO_ITEMS, ZERO_VECTOR, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
 from .loads import AnyLoad, Load, PatternLoad
 from .settings import Settings
@@ -41,16 +41,16 @@ class Model(Entry):
     """
 
     bodies: Mapping[str, Body]
-    joints: Several[Joint] = NONE
-    loads: Several[AnyLoad] = NONE
-    springs: Several[Spring] = NONE
-    motions: Several[PrescribedMotion] = NONE
+    joints: Several[Joint] = NO_ITEMS
+    loads: Several[AnyLoad] = NO_ITEMS
+    springs: Several[Spring] = NO_ITEMS
+    motions: Several[PrescribedMotion] = NO_ITEMS
     _: KW_ONLY
-    contacts: Several[Contact] = NONE
-    stops: Several[Stop] = NONE
-    motors: Several[Motor] = NONE
-    couplers: Several[Coupler] = NONE
-    gravity: Vector = ORIGIN
+    contacts: Several[Contact] = NO_ITEMS
+    stops: Several[Stop] = NO_ITEMS
+    motors: Several[Motor] = NO_ITEMS
+    couplers: Several[Coupler] = NO_ITEMS
+    gravity: Vector = ZERO_VECTOR
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
     source: str = ""
@@ -60,6 +60,7 @@ class Model(Entry):
         if not isinstance(self.settings, Settings):
             raise ModelError(f"settings: expected Settings, got {self.settings!r}")
         self._check_bodies()
+        # Names are given before they are checked: a number must not meet a name that a user gave.
         self._name()
         self._check_names()
         self._check_starts()
@@ -78,7 +79,7 @@ class Model(Entry):
         return table(title, rows(self.bodies, self._parts(), self.gravity, self.settings))
 
     def _parts(self) -> dict[str, tuple[Any, ...]]:
-        """All that is between bodies, by kind."""
+        """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
         return {kind: getattr(self, kind) for kind in kinds}
 
@@ -98,11 +99,12 @@ class Model(Entry):
 
     @property
     def couplings(self) -> tuple[Coupling, ...]:
-        """Joints, motions, springs, contacts, stops, motors, couplers, as the solver has them.
+        """All couplings, in the order in which the solver numbers their rows.
 
-        ModelError for what acts on a joint, or on a coordinate of one, that there is not.
+        ModelError for one that names a joint, or a coordinate of a joint, that does not exist.
         """
         joints = {joint.name: joint for joint in self.joints}
+        # The order numbers the rows of the step: results and checkpoints rely on it.
         parts: tuple[Named, ...] = (
             *self.joints,
             *self.motions,
@@ -136,7 +138,7 @@ class Model(Entry):
 
     @property
     def _named(self) -> dict[str, tuple[Named, ...]]:
-        """What has a name that no other has, by kind."""
+        """The entries that need a unique name, by kind."""
         return {
             "joint": self.joints,
             "spring": self.springs,
@@ -148,7 +150,7 @@ class Model(Entry):
         }
 
     def _name(self) -> None:
-        """Number what has no name."""
+        """Give numbered names to entries without a name."""
         for kind, entries in self._named.items():
             strange = next((entry for entry in entries if not hasattr(entry, "name")), None)
             if strange is not None:
@@ -156,6 +158,7 @@ class Model(Entry):
         taken = {entry.name for entries in self._named.values() for entry in entries}
         for kind, entries in self._named.items():
             if any(entry.name == "" for entry in entries):
+                # The class is frozen: only while it is made may a field be set.
                 object.__setattr__(self, f"{kind}s", numbered(kind, entries, taken))
 
     def _check_names(self) -> None:
@@ -206,12 +209,12 @@ class Model(Entry):
             spread.pattern_of(flexible[spread.body].superelement)
 
     def _check_equilibrium(self) -> None:
-        """ModelError for a velocity, for equilibrium has none but those of a steady rotation."""
+        """ModelError for a velocity: in equilibrium only a steady rotation has velocities."""
         for name, body in self.bodies.items():
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():
                     raise ModelError(
-                        f"body {name!r}: {key}: start = 'equilibrium' takes none but "
+                        f"body {name!r}: {key}: start = 'equilibrium' allows none but "
                         f"steady_rotation, got {velocity.tolist()}"
                     )
         for joint in self.joints:
@@ -219,7 +222,7 @@ class Model(Entry):
                 driven = key.removesuffix("_rate") in joint.drives
                 if key.endswith("_rate") and value != 0.0 and not driven:
                     raise joint.error(
-                        f"start: {key}: start = 'equilibrium' takes no rates but "
+                        f"start: {key}: start = 'equilibrium' allows no rates but "
                         f"steady_rotation, got {value}"
                     )
 
@@ -233,6 +236,8 @@ class Model(Entry):
         if frame and frame not in frames:
             known = ", ".join(frames) or "none"
             raise ModelError(f"{owner}: no frame {frame!r} on {body!r}; it has: {known}")
+        # The center of mass of a flexible body is no material point, so that nothing can be fixed
+        # to it.
         if not frame and body != GROUND and isinstance(self.bodies[body], FlexibleBody):
             raise ModelError(
                 f"{owner}: {body!r} is flexible: name one of its interfaces "
@@ -259,6 +264,8 @@ def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any,
         prefix = item.type if kind in ("joint", "coupler") else kind
         counts[prefix] += 1
         if item.name == "":
+            # Counting starts at the place of its kind, so that names stay the same when another
+            # gets one.
             numbers = itertools.count(counts[prefix])
             name = next(n for k in numbers if (n := f"{prefix} {k}") not in taken)
             taken.add(name)

@@ -7,7 +7,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import Count, Words
 
-ALWAYS = "solver"
+ALWAYS_RECORDED = "solver"
 
 
 @entry(eq=True)
@@ -31,7 +31,7 @@ class OutputRequest(Entry):
         By its own name or by that of its kind, "frames".
         """
         return (
-            group == ALWAYS
+            group == ALWAYS_RECORDED
             or self.quantities is None
             or not {group, group.partition("/")[0]}.isdisjoint(self.quantities)
         )
@@ -41,6 +41,8 @@ class OutputRequest(Entry):
         known = sorted({*groups, *(group.partition("/")[0] for group in groups)})
         for name in self.quantities or ():
             if name not in known:
+                # The list of groups of a large model is long: the nearest name is what a user looks
+                # for.
                 near = get_close_matches(name, known, n=1)
                 meant = f"; did you mean {near[0]!r}?" if near else ""
                 raise ModelError(

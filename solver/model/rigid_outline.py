@@ -1,4 +1,4 @@
-"""What rigid bodies look like: the shape that a model gives them, or a box of their inertia."""
+"""Outlines of rigid bodies: the shape in the model, or a box with the same inertia."""
 
 import numpy as np
 
@@ -7,8 +7,9 @@ from ...superelement.figures import box
 from ..arrays import Array
 from .bodies import RigidBody, RigidSuperelement
 
-THINNEST = 1e-2
-"""edge of a box, in the longest one"""
+# A box of a flat body would be a sheet, which pictures hardly show: its thinnest edge has this
+# share of the longest.
+THINNEST_EDGE_RATIO = 1e-2
 LARGEST_REACH, LARGEST_SIZE = 4.0, 0.3
 """a box is no longer than the larger of so many distances of its farthest frame from the center of
 mass, and so many sizes of the model: of a mass that plays no part the inertia says no length
@@ -43,9 +44,12 @@ def box_of_inertia(
     along the principal axes; what has no thickness gets some, to be seen. shortest, longest: what
     its longest edge may be [m], to which all of it is scaled.
     """
+    # Principal axes come in any order and sign.
     J, axes = np.linalg.eigh(inertia)
     if np.linalg.det(axes) < 0.0:
+        # A left-handed triad would turn the facets inside out.
         axes[:, 0] *= -1.0
+    # J_2 + J_3 - J_1 = sum J - 2 J_1, of a plate zero, which rounding may make negative.
     edges = np.sqrt(6.0 * np.maximum(J.sum() - 2.0 * J, 0.0) / mass)
     edges *= np.clip(edges.max(), shortest, longest) / edges.max()
-    return box(np.maximum(edges, THINNEST * edges.max()), axes=axes)
+    return box(np.maximum(edges, THINNEST_EDGE_RATIO * edges.max()), axes=axes)

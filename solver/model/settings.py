@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from ...inputs import Shown
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
 from ..schema.tables import read_member
 from ..schema.values import (
-    ORIGIN,
+    ZERO_VECTOR,
     Count,
     Fraction,
     Iterations,
@@ -32,7 +32,7 @@ class SteadyRotation(Entry):
     label = "steady_rotation"
 
     angular_velocity: Vector
-    center: Vector = ORIGIN
+    center: Vector = ZERO_VECTOR
 
 
 @entry(eq=True)
@@ -41,20 +41,20 @@ class StartFrom(Entry):
 
     label = "start"
 
-    path: Annotated[str, Key("from")]
+    path: Annotated[str, NameInFile("from")]
 
     def beside(self, folder: Path) -> "StartFrom":
-        """The same with a path that is relative to a folder."""
+        """This start with its path relative to a folder."""
         return StartFrom(str(folder / self.path))
 
 
-STARTS = ("given", "equilibrium")
+NAMED_STARTS = ("given", "equilibrium")
 
 
 def _start(value: Any) -> "str | StartFrom":
     if isinstance(value, Mapping) and value.keys() == {"from"} and isinstance(value["from"], str):
         return StartFrom(value["from"])
-    if isinstance(value, StartFrom) or value in STARTS:
+    if isinstance(value, StartFrom) or value in NAMED_STARTS:
         return value  # type: ignore[no-any-return]
     raise ValueError
 
@@ -65,33 +65,33 @@ def _start_in_file(value: "str | StartFrom") -> Any:
 
 def _start_schema() -> dict[str, Any]:
     run = {"type": "object", "properties": {"from": {"type": "string"}}, "required": ["from"]}
-    return {"anyOf": [{"enum": list(STARTS)}, run | {"additionalProperties": False}]}
+    return {"anyOf": [{"enum": list(NAMED_STARTS)}, run | {"additionalProperties": False}]}
 
 
 AnyStart = Annotated[
     str | StartFrom,
-    Takes(
+    FieldSpec(
         "'given', 'equilibrium' or {'from': FILE}",
         _start,
         Annotated[Any, Shown(_start_schema)],
         _start_in_file,
     ),
 ]
-INTERVALS = Family("interval")
+INTERVAL_FORMS = Family("interval")
 
 
-@INTERVALS.bare_number
+@INTERVAL_FORMS.bare_number
 @entry(eq=True)
 class Seconds(Entry):
-    """So many seconds of wall time."""
+    """An interval of wall time in seconds."""
 
     seconds: PositiveTime
 
 
-@INTERVALS.in_files("every")
+@INTERVAL_FORMS.in_files("every")
 @entry(eq=True)
 class EverySteps(Entry):
-    """So many time steps."""
+    """An interval of a number of time steps."""
 
     every: Count
 
@@ -100,7 +100,7 @@ def _interval(value: Any) -> Seconds | EverySteps:
     if isinstance(value, Seconds | EverySteps):
         return value
     try:
-        interval: Seconds | EverySteps = read_member(INTERVALS, value)
+        interval: Seconds | EverySteps = read_member(INTERVAL_FORMS, value)
     except ModelError as error:
         raise ValueError from error
     return interval
@@ -108,8 +108,8 @@ def _interval(value: Any) -> Seconds | EverySteps:
 
 Interval = Annotated[
     Seconds | EverySteps,
-    INTERVALS,
-    Takes("seconds or {'every': steps}", _interval, Any),
+    INTERVAL_FORMS,
+    FieldSpec("seconds or {'every': steps}", _interval, Any),
 ]
 
 
@@ -151,10 +151,10 @@ class Settings(Entry):
     rho_inf: Fraction | None = None
     rule: Literal["consistent", "paper"] = "consistent"
     history: Literal["auto", "recursive", "direct", "fft"] = "auto"
-    kernel_length: Annotated[PositiveTime | None, Key("memory")] = None
+    kernel_length: Annotated[PositiveTime | None, NameInFile("memory")] = None
     tolerance: Tolerance = 1e-10
     max_iterations: Iterations = 20
-    fixed_iterations: Annotated[Iterations | None, Key("corrections")] = None
+    fixed_iterations: Annotated[Iterations | None, NameInFile("corrections")] = None
     start: AnyStart = "given"
     steady_rotation: SteadyRotation | None = None
     assemble: bool = False

@@ -7,8 +7,7 @@ from ...files.html import Row, listed
 from .bodies import Body, FlexibleBody
 from .settings import Settings
 
-SHOWN = 10
-"""bodies that have a row each"""
+MAX_BODY_ROWS = 10
 
 
 def rows(
@@ -16,10 +15,11 @@ def rows(
 ) -> Iterator[Row]:
     """Bodies, what is between them, gravity, and how it is integrated."""
     yield "bodies", str(len(bodies))
-    for name, body in list(bodies.items())[:SHOWN]:
+    # A table of hundreds of bodies would fill a notebook.
+    for name, body in list(bodies.items())[:MAX_BODY_ROWS]:
         yield f"\u2003{name}", _body(body)
-    if len(bodies) > SHOWN:
-        yield "", f"and {len(bodies) - SHOWN} more"
+    if len(bodies) > MAX_BODY_ROWS:
+        yield "", f"and {len(bodies) - MAX_BODY_ROWS} more"
     for kind, entries in parts.items():
         if entries:
             yield kind, listed(_name(entry) for entry in entries)
@@ -31,7 +31,7 @@ def rows(
 
 
 def counted(n: int, kind: str) -> str:
-    """As `1 joint`, `2 joints`."""
+    """A number with its kind, as `1 joint` or `2 joints`."""
     return f"{n} {kind.removesuffix('s') if n == 1 else kind}"
 
 
@@ -44,7 +44,7 @@ def _body(body: Body) -> str:
 
 
 def _name(entry: Any) -> str:
-    """As `pivot (revolute)`."""
+    """An entry with its type, as `pivot (revolute)`."""
     name, kind = getattr(entry, "name", ""), getattr(entry, "type", "")
     where = getattr(entry, "on", "") or getattr(entry, "body", "")
     if not name:

@@ -15,8 +15,8 @@ from ..step.system import Workspace
 
 BETWEEN_CHECKS = 16
 """steps between checks: a joint must not come back from the wrong branch, or fail there, unseen"""
-LEAST = 1e-6
-"""q_3^2 above which a joint is on the wrong branch: below it both are the same to rounding"""
+# of q_3^2: below, both branches are the same to rounding
+MIN_BRANCH_MEASURE = 1e-6
 
 
 class Branches:
@@ -36,13 +36,16 @@ class Branches:
 
     def most_steps(self, batch: int) -> int:
         """Steps to take before the next check, of a batch."""
+        # Checked between calls of the loop: in a long batch a joint might go wrong and come back.
         return min(batch, BETWEEN_CHECKS * self._lowered.ratio) if self._rows else batch
 
     def check(self, work: Workspace, step: int) -> None:
         """`OutOfRangeError` for a joint that has left the branch on which it started."""
         for row in self._rows:
             q_0, q_3 = self._squares(row, work)
-            if q_3 > max(q_0, LEAST):
+            # q_0^2 + q_3^2 = (1 + cos bend) / 2: at 180 degrees both vanish, and neither branch is
+            # right.
+            if q_3 > max(q_0, MIN_BRANCH_MEASURE):
                 name = self._lowered.coupling_names[self._lowered.coupling_of(row)]
                 reason = (
                     f"joint {name!r}: its shafts have passed 180 degrees against each other, "
@@ -60,6 +63,7 @@ class Branches:
         e_B = _axes(terms.rows.b[term], rows.b[row])
         D = work.frames.D
         R = (D[rows.frame_a[row]] @ e_A).T @ (D[rows.frame_b[row]] @ e_B)
+        # The squares of a quaternion by its rotation matrix.
         return 0.25 * (1.0 + np.trace(R)), 0.25 * (1.0 + R[2, 2] - R[0, 0] - R[1, 1])
 
 

@@ -52,9 +52,11 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
         for name, r in zip(model.flexible_bodies, lowered.system.elastic.second.r, strict=True)
         for i in range(int(r))
     ]
+    # False for each: coordinates of second order are lengths.
     axes["second_order_coordinate"] = _axis(list(enumerate(numbers)), [False] * len(numbers))
     lengths = lowered.measures_lengths.tolist()
     ranges = list(pairwise(couplings.range.tolist()))
+    # Joints have different numbers of rows: theirs are one long dimension, which the names divide.
     for key, ragged in (("joint", "joint_constraint"), ("spring", "spring_component")):
         entries = [
             (row, f"{name}.{row - ranges[j][0] + 1}")
@@ -161,6 +163,8 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
             if name_of_owner == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]
                 if isinstance(rows, tuple):
+                    # A slice is a view into the output; an index by a tuple would be a copy that no
+                    # step changes.
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
                 yield getattr(output, quantity.source)[:1, rows]
     for quantity in QUANTITIES:

@@ -9,7 +9,7 @@ from ..lower.lower import LoweredModel
 from ..step.couplings import spring_energy
 from ..step.system import State, Workspace
 
-COLUMNS = [quantity.attribute for quantity in EVENT_QUANTITIES]
+EVENT_COLUMNS = [quantity.attribute for quantity in EVENT_QUANTITIES]
 
 
 def waiting(state: State) -> EventRows:
@@ -20,7 +20,7 @@ def waiting(state: State) -> EventRows:
 
 
 def taken(state: State) -> EventRows:
-    """The same, which the state then forgets."""
+    """The events that wait in a state, which are removed from it."""
     events = waiting(state)
     state.contacts.n_events[0] = 0
     return events
@@ -30,7 +30,8 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
     """Contacts that are closed, as if they ended now: what only an opening tells is no number."""
     contacts, couplings = state.contacts, lowered.system.couplings
     closed = np.flatnonzero(contacts.steps)
-    values = np.full((len(closed), len(COLUMNS)), np.nan)
+    # What only the opening tells, as the speed of separation, stays nan.
+    values = np.full((len(closed), len(EVENT_COLUMNS)), np.nan)
     stored = [spring_energy(couplings, int(couplings.contact[k]), state, work) for k in closed]
     known: dict[str, Array | Index] = {
         "start": contacts.begin[closed],
@@ -39,8 +40,9 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
         "peak": contacts.peak[closed],
         "impulse": contacts.impulse[closed],
         "closing_speed": contacts.closing_speed[closed],
+        # The contact still stores energy, which is not lost: its work less that.
         "dissipated": (contacts.work - contacts.work_done)[closed] - np.array(stored),
     }
     for name, column in known.items():
-        values[:, COLUMNS.index(name)] = column
+        values[:, EVENT_COLUMNS.index(name)] = column
     return EventRows(closed.astype(np.int64), values)

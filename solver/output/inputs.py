@@ -1,4 +1,4 @@
-"""What can be said of the signals of a run before it: what steps miss of them, and drift."""
+"""Warnings about the signals of a run: unresolved areas and frequencies, and drift."""
 
 from collections.abc import Iterator
 
@@ -22,14 +22,14 @@ from ..signals.signal import (
     values_of,
 )
 
-MISSED = 0.01
-"""of the area under the size of a load"""
-RESOLVED = 8
-"""steps between the breaks of a signal, or in a period, from which on they are no matter"""
-MOST = 1_000_000
-"""steps whose area is compared"""
-NOTHING = 1e-9
-"""of the largest value"""
+# of the area under the size of a load
+MISSED_AREA = 0.01
+# between the breaks of a signal, or in a period: from here on samples follow it
+RESOLVED_STEPS = 8
+# Longer runs would wait noticeably for a warning.
+MAX_COMPARED_STEPS = 1_000_000
+# of the largest value: rounding of signals
+NEGLIGIBLE_VALUE = 1e-9
 
 
 def drifts(lowered: LoweredModel, t_end: float) -> Iterator[Drift]:
@@ -50,6 +50,7 @@ def _followed(lowered: LoweredModel, d: int) -> Iterator[tuple[str, SmoothSignal
     drive = lowered.drives[d] if d >= 0 else None
     if isinstance(drive, OrientationDrive):
         named = zip((" about x", " about y", " about z"), drive.angles, strict=True)
+        # All three rows of an orientation follow the same three angles, which are named once.
         yield from named if drive.row == 0 else ()
     elif drive is not None:
         yield "", drive
@@ -69,26 +70,28 @@ def signal_warnings(lowered: LoweredModel) -> Iterator[str]:
 def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[str]:
     """A line about a load whose samples have another area than its signal."""
     signal, h, t_end = load.signal, lowered.h, lowered.h * lowered.n_steps
-    # long steps in flight become short ones about corners
+    # Long steps in flight become short ones about corners.
     step = h if corners_of(signal) else lowered.longest_step
     breaks = distinct([time for time in breaks_of(signal) if 0.0 <= time <= t_end])
     if is_any(signal, Impulse) or is_any(signal, Input) or len(breaks) < 2:
         return
-    if np.diff(breaks).min() >= RESOLVED * step:
+    if np.diff(breaks).min() >= RESOLVED_STEPS * step:
         return
     first = max(int(breaks[0] / step) - 1, 0)
-    last = min(int(breaks[-1] / step) + 2, int(t_end / step + 0.5), first + MOST)
+    last = min(int(breaks[-1] / step) + 2, int(t_end / step + 0.5), first + MAX_COMPARED_STEPS)
     t = step * np.arange(first, last + 1, dtype=np.float64)
     samples = signal.samples(t, h)
+    # The trapezoidal rule is what linear interpolation of the samples integrates to.
     found = step * (samples.sum() - 0.5 * (samples[0] + samples[-1]))
     once, _ = Integrals(signal)(t[[0, -1]])
     fine = distinct(np.concatenate([t, breaks]))
+    # Not the area itself: that of a sine over its periods is zero.
     scale = float(np.trapezoid(np.abs(values_of(signal, fine)), fine))
-    if abs(found - (once[1] - once[0])) > MISSED * scale:
+    if abs(found - (once[1] - once[0])) > MISSED_AREA * scale:
         yield (
             f"{load.owner}: its signal has an area of {once[1] - once[0]:.4g} from t = {t[0]:.6g} "
-            f"to {t[-1]:.6g} s, of which steps of {step:.6g} s see {found:.4g}; smaller steps, or "
-            "a profile such as half_sine, would keep it"
+            f"to {t[-1]:.6g} s, its samples at steps of {step:.6g} s have {found:.4g}: take "
+            "smaller steps, or a profile such as half_sine, whose area is exact"
         )
 
 
@@ -96,14 +99,15 @@ def _warnings(owner: str, signal: Signal, lowered: LoweredModel) -> Iterator[str
     t_end, step = lowered.h * lowered.n_steps, lowered.longest_step
     if isinstance(signal, Recorded | RecordedSpline):
         times, values = signal.points
-        if times[-1] < t_end - step and abs(values[-1]) > NOTHING * np.abs(values).max():
+        # A record that ends at zero goes on as anybody expects.
+        if times[-1] < t_end - step and abs(values[-1]) > NEGLIGIBLE_VALUE * np.abs(values).max():
             goes_on = "straight" if isinstance(signal, RecordedSpline) else "with its last value"
             yield (
                 f"{owner}: the record ends at t = {times[-1]:.6g} s, before t_end = {t_end:.6g} s: "
                 f"it goes on {goes_on}, {values[-1]:.4g}"
             )
     frequency = float(getattr(signal, "highest_frequency", 0.0))
-    if frequency * step * RESOLVED > 1.0:
+    if frequency * step * RESOLVED_STEPS > 1.0:
         yield (
             f"{owner} has frequencies of up to {frequency:.4g} Hz, {1.0 / (frequency * step):.3g} "
             f"steps of {step:.6g} s in a period"

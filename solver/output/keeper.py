@@ -10,7 +10,7 @@ from ...results.batches import Energies
 from ...results.file import FileWriter, unfinished
 from ...results.source import Writer
 from ..checkpoint.carried import Arrays, Snapshot
-from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.file import STATE_SUFFIX, StateFile, read_state
 from ..checkpoint.identity import Identity, identity_of
 from ..errors import ResultsError, StateError
 from ..lower.lower import LoweredModel
@@ -60,19 +60,25 @@ class FileKeeper:
         return n if self._every is None else min(n, self._every - step % self._every)
 
     def step_taken(self, step: int, recorder: Recorder) -> None:
+        # Copied after every return of the loop: after an interrupt arrays may be those of half a
+        # step.
         self._newest = Snapshot.of(step, self._live)
         self._notes = recorder.start._asdict() | {"first": float(self._first)}
+        # The first state is kept at once, or a run killed early could not go on.
         none = self._kept.step < 0
         by_time = time.monotonic() - self._last > self._pause
         if none or by_time or (self._every is not None and step % self._every == 0):
+            # Rows before the state: a state whose rows are lost could not be continued.
             recorder.write()
             self._writer.flush()
             self._keep()
 
     def _keep(self) -> None:
         """Write the newest state, if all rows up to it are on the disk."""
+        # Nothing is new, or the disk does not have what belongs to it.
         if self._newest.step in (-1, self._kept.step) or not self._are_on_disk(self._newest):
             return
+        # Digests of superelements take a while, and stay the same.
         self._identity = self._identity or identity_of(self._lowered)
         without = tuple(sorted(self._lowered.without))
         state = StateFile(self._newest, self._identity, self._writer.run, without, self._notes)
@@ -107,7 +113,7 @@ class FileKeeper:
 
 def checkpoint_of(file: Path) -> Path:
     """The file of the state that belongs to results."""
-    return file.with_name(file.name + SUFFIX)
+    return file.with_name(file.name + STATE_SUFFIX)
 
 
 def read_checkpoint(path: Path) -> StateFile:
@@ -132,6 +138,7 @@ def settle_checkpoint(writer: Writer) -> None:
     if not isinstance(writer, FileWriter):
         return
     own, later = checkpoint_of(writer.place), checkpoint_of(writer.target)
+    # Before the early return: orphans lie there in either case.
     remove_orphans(later)  # of a run that was killed while it wrote its state
     if own == later:
         return

@@ -1,8 +1,8 @@
 """How each criterion of validity is measured: its owners in a model, and their values in a state.
 
 A criterion is a record of `CRITERIA` (results/validity.py), which says what it is called and what
-is too much, and one of `MEASURES` here. Values come from what the time loop counts at every step,
-`state.extremes` (step/extremes.py).
+is too much, and one of `MEASURE_OF_CRITERION` here. Values come from what the time loop counts at
+every step, `state.extremes` (step/extremes.py).
 """
 
 from collections.abc import Callable
@@ -15,12 +15,14 @@ from ..arrays import Array
 from ..lower.lower import LoweredModel
 from ..step.bodies import largest_coordinate
 from ..step.history import modal_energy
-from .reading import ROUNDING, STILL, Reading
+from .reading import ENERGY_ROUNDING, NEGLIGIBLE_VIBRATION, Reading
 from .subjects import Subjects
 
-TINY = 1e-300
-BORNE = 0.7
-"""turn of a body on joints in a step over 1 - rho_inf, from which on multipliers may grow"""
+# a denominator where there is none; what is divided by it is not chosen
+NO_MEASURE = 1e-300
+# turn of a body on joints in a step over 1 - rho_inf. Beyond, multipliers grow from step to step
+# (docs/theory.md).
+MAX_JOINT_TURN = 0.7
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
 
@@ -37,9 +39,10 @@ class Measure(NamedTuple):
 
 
 def _axial_loads(reading: Reading) -> Array:
-    """The largest of each body; nan where no Euler load is known."""
+    """The largest axial load of each body; nan where no Euler load is known."""
     axial, subjects = reading.lowered.system.elastic.axial, reading.subjects
     largest = np.full(len(subjects.bodies), -1.0)
+    # A body has several axial directions; a plain index would keep the last.
     np.maximum.at(largest, axial.body, reading.extremes.axial)
     values: Array = np.where(largest < 0.0, np.nan, largest)[~subjects.stiffened]
     return values
@@ -59,29 +62,35 @@ def _joint_turns(reading: Reading) -> Array:
     """Turns in a step of bodies with a joint off the axis that they spin about at last."""
     lowered, subjects, state = reading.lowered, reading.subjects, reading.state
     frames, hinges, jointed = lowered.system.frames, subjects.hinges, subjects.jointed
+    # The last spin stands for the run's: extremes keep magnitudes alone.
     omega = state.bodies.v[frames.body[hinges], 3:]
     lever = frames.X[hinges]
     lengths = np.linalg.norm(lever, axis=1) * np.linalg.norm(omega, axis=1)
     off_axis = np.linalg.norm(np.cross(omega, lever), axis=1) > OFF_AXIS * lengths
     counts = np.isin(jointed, frames.body[hinges][off_axis])
     turns = lowered.longest_step * np.sqrt(state.extremes.spin[jointed]) * counts
-    return _ratio(turns, BORNE * (1.0 - lowered.scheme.rho_inf))
+    return _ratio(turns, MAX_JOINT_TURN * (1.0 - lowered.scheme.rho_inf))
 
 
 def _angular_momenta(reading: Reading) -> Array:
-    """Over the largest of each free body; nan where it hardly turns."""
+    """Errors of angular momentum over its largest value, of each free body.
+
+    nan for a body that hardly turns.
+    """
     momentum, bodies = reading.extremes.momentum, reading.lowered.system.bodies
     inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
-    turns = 0.5 * momentum.largest / inertia[bodies.free] > STILL * reading.moved
+    turns = 0.5 * momentum.largest / inertia[bodies.free] > NEGLIGIBLE_VIBRATION * reading.moved
     largest = np.where(turns, momentum.largest, np.nan)
+    # The loop keeps squares, to spare a root in every step.
     errors: Array = np.sqrt(momentum.largest_defect / np.where(largest > 0.0, largest, np.nan))
     return errors
 
 
 def _steps_per_period(reading: Reading) -> Array:
-    """Of all bodies: of vibration, and of their motion as a whole."""
+    """Steps per period of each body, in its vibration or its motion as a whole."""
     frequencies = reading.frequencies_as_rigid.copy()
     body = reading.lowered.system.elastic.body
+    # fmax passes over nan: a body may vibrate in one way only.
     frequencies[body] = np.fmax(frequencies[body], reading.frequencies)
     steps: Array = 1.0 / (reading.lowered.longest_step * frequencies)
     return steps
@@ -90,23 +99,24 @@ def _steps_per_period(reading: Reading) -> Array:
 def _motor_steps(reading: Reading) -> Array:
     """Long steps in a period of the fastest pole of each servo."""
     poles = reading.state.motors.pole[reading.subjects.servos] * reading.lowered.longest_step
-    steps: Array = np.where(poles > 0.0, 2.0 * np.pi / np.maximum(poles, TINY), np.inf)
+    steps: Array = np.where(poles > 0.0, 2.0 * np.pi / np.maximum(poles, NO_MEASURE), np.inf)
     return steps
 
 
 def _balance(reading: Reading) -> Array:
+    # What rounding explains is no error of the balance.
     balance = max(0.0, float(reading.extremes.balance[0]) - reading.rounding)
     return _ratio(np.array([balance]), reading.moved)
 
 
 def _created(reading: Reading) -> Array:
     extremes = reading.extremes
-    created = np.maximum(extremes.returned - ROUNDING * extremes.stored, 0.0)
+    created = np.maximum(extremes.returned - ENERGY_ROUNDING * extremes.stored, 0.0)
     return _ratio(created[reading.subjects.springs], reading.moved)
 
 
 def _contact_arms(reading: Reading) -> Array:
-    """Over the size of the body that carries the shape."""
+    """Arms of contact forces over the size of the body that carries the shape."""
     subjects, system = reading.subjects, reading.lowered.system
     couplings, elastic = system.couplings, system.elastic
     first = couplings.range[subjects.contacts[subjects.carried]]
@@ -119,6 +129,8 @@ def _numerical(reading: Reading) -> Array:
     elastic, energies = reading.lowered.system.elastic, reading.state.energies
     if not reading.subjects.has_modes:
         return np.empty(0)
+    # Work done on the modes, less what damping took and what they have: the scheme has taken the
+    # rest.
     taken = energies.modal - energies.damping - modal_energy(elastic, reading.state)
     return _ratio(np.abs(taken), reading.moved)
 
@@ -134,7 +146,7 @@ def _openings(reading: Reading) -> Array:
 
 
 def _force_noise(reading: Reading) -> Array:
-    """What rounding of positions makes of the force of each joint, over the largest of the model.
+    """Noise in the force of each joint by rounding of positions, over the largest force.
 
     That is at least the energy that moves over the size of the model; where nothing moves nothing
     is rounded. Short steps count where contacts have closed. Rounding of a position asks for the
@@ -145,6 +157,7 @@ def _force_noise(reading: Reading) -> Array:
     system, rows = lowered.system, lowered.system.couplings.rows
     if not len(subjects.bearing) or extremes.moved[0] <= reading.rounding:
         return np.zeros(len(subjects.bearings))
+    # A depth above zero says that a contact was closed, and so steps were short.
     h = lowered.h if extremes.depth.any() else lowered.longest_step
     of_step = system.scheme.beta / system.scheme.inertia_ratio
     compliance = _frame_compliances(lowered, of_step * h**2)
@@ -173,6 +186,7 @@ def _frame_compliances(lowered: LoweredModel, square: float) -> Array:
         begin, end = elastic.active_range[e : e + 2]
         first, start = frames.active[f] - begin, elastic.G_active_start[e]
         G = elastic.G_active[start : start + (end - begin) ** 2].reshape(end - begin, -1)
+        # The mean over directions: noise has none.
         compliances[f] += np.trace(G[first : first + 3, first : first + 3]) / 3.0
     return compliances
 
@@ -273,7 +287,7 @@ _LIST = (
         lambda r: r.extremes.missed[r.subjects.angles],
     ),
 )
-MEASURES = {measure.criterion: measure for measure in _LIST}
+MEASURE_OF_CRITERION = {measure.criterion: measure for measure in _LIST}
 """by the name of the criterion"""
 
 

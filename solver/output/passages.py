@@ -22,8 +22,10 @@ def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: 
     row = int(couplings.range[j])
     f, g = int(couplings.rows.frame_a[row]), int(couplings.rows.frame_b[row])
     delta = work.frames.r[g] - work.frames.r[f]
+    # Relative to the shape, which may turn: velocity of the ball less that of the carried point.
     speed = float(np.linalg.norm(V[g, :3] - V[f, :3] - np.cross(V[f, 3:], delta)))
     size = float(couplings.rows.size[row])
+    # For a plane, of infinite size, at least half of the present step.
     step = min(PART_OF_SIZE * size / speed, 0.5 * lowered.h)
     reason = f"its ball passed through its shape within one step of {lowered.h:.3g} s, at "
     reason += f"{speed:.3g} m/s: "

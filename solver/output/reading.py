@@ -10,19 +10,19 @@ from ..step.bodies import largest_coordinate
 from ..step.system import State
 from .subjects import Subjects
 
-SHARE = 0.01
-"""of the kinetic energy of vibration, that the highest frequency which counts carries"""
-STILL = 1e-6
-"""kinetic energy of vibration over the energy that moves, below which a body does not vibrate"""
-LASTING = 10.0
-"""sum of the squares of vibration over the largest square of a change in a step, below which the
-change is a blow and no vibration"""
-SHORTEST = 0.5
-"""periods in a run from which on a motion is a vibration"""
-ROUNDING = 1e-13
-"""of an energy, after many steps"""
-POSITION = 64 * np.finfo(float).eps
-"""of a coordinate, relative to the largest one, and of an angle"""
+# of the kinetic energy of vibration: the highest frequency that carries it counts
+ENERGY_SHARE = 0.01
+# kinetic energy of vibration over the energy that moves: below, a body does not vibrate
+NEGLIGIBLE_VIBRATION = 1e-6
+# sum of the squares of vibration over the largest square of a change in a step: below, the change
+# is a blow and no vibration
+MIN_LASTING_SQUARES = 10.0
+# periods in a run from which on a motion is a vibration
+MIN_PERIODS = 0.5
+# of an energy, after many steps
+ENERGY_ROUNDING = 1e-13
+# of a coordinate, relative to the largest one, and of an angle: a few roundings of each step
+POSITION_ROUNDING = 64 * np.finfo(float).eps
 
 
 class Reading:
@@ -37,13 +37,15 @@ class Reading:
 
     @cached_property
     def rounding(self) -> float:
-        """Of the energies that the balance sums, and of the positions that they follow."""
+        """Rounding of the energies in the balance, and of the positions that they depend on [J]."""
         energies, bodies = self.state.energies, self.lowered.system.bodies
+        # Heights count from the origin: energies are rounded relative to weight times size at
+        # least.
         weight = float(bodies.mass.sum() * np.linalg.norm(bodies.gravity))
         elastic = energies.modal[0] + energies.convolved[0]
         largest = abs(energies.potential[0]) + energies.kinetic[0] + abs(elastic)
         largest += self.extremes.stored.sum() + weight * bodies.size
-        return ROUNDING * float(largest) + _energy_at_rest(self.lowered, self.state)
+        return ENERGY_ROUNDING * float(largest) + _energy_at_rest(self.lowered, self.state)
 
     @cached_property
     def moved(self) -> float:
@@ -56,19 +58,19 @@ class Reading:
 
     @cached_property
     def displacement(self) -> Array:
-        """Over the size of the body."""
+        """Elastic displacements over the size of the body."""
         return np.sqrt(self.extremes.displacement[self.subjects.interfaces]) / self.subjects.sizes
 
     @cached_property
     def spin(self) -> Array:
-        """Of the flexible bodies."""
+        """The largest spins of flexible bodies [rad/s]."""
         return np.sqrt(self.extremes.spin[self.lowered.system.elastic.body])
 
     @cached_property
     def frequencies(self) -> Array:
-        """The highest that carries energy in the vibration of each flexible body [Hz], or nan."""
+        """The highest frequency that carries energy in each flexible body [Hz]; nan if none."""
         elastic, extremes = self.lowered.system.elastic, self.extremes
-        still = STILL * self.moved * self.taken / self.lowered.ratio
+        still = NEGLIGIBLE_VIBRATION * self.moved * self.taken / self.lowered.ratio
         frequencies = []
         for e, b in enumerate(elastic.body.tolist()):
             modes = slice(elastic.modes.range[e], elastic.modes.range[e + 1])
@@ -88,54 +90,58 @@ class Reading:
 
     @cached_property
     def frequencies_as_rigid(self) -> Array:
-        """Of the motion of each body as a whole [Hz], nan where it does not vibrate."""
+        """Frequencies of the motion of each body as a whole [Hz]; nan without vibration."""
         motion, bodies = self.extremes.motion, self.lowered.system.bodies
         n = max(int(motion.steps[0]), 1)
         inertia = np.trace(bodies.J_rot, axis1=1, axis2=2) / 3.0
         weight = 0.5 * np.stack([bodies.mass, inertia], axis=1)
+        # Sum of squares less square of the sum: the variance, without a steady motion.
         mean = (motion.sum.reshape(-1, 2, 3) ** 2).sum(axis=2) / n
         unsteady = np.maximum(motion.square - mean, 0.0)
         # sums of squares of the velocity of a vibration, and its frequency, as in `_highest`
         known = (motion.bends > 0.0) & (motion.changes > 0.0)
+        # Second over first differences: (2 sin(omega h / 2))^2, as rates over positions in
+        # `_highest`.
         square = motion.bends / np.where(known, motion.changes, 1.0)
         vibration = motion.changes / np.where(known, square, 1.0)
         periods = _periods(square)
         counts = (
             known
-            & (n * periods > SHORTEST)
-            & (weight * vibration > STILL * self.moved * n)
-            & (vibration > SHARE * unsteady)
-            & (vibration > LASTING * motion.largest)
+            & (n * periods > MIN_PERIODS)
+            & (weight * vibration > NEGLIGIBLE_VIBRATION * self.moved * n)
+            & (vibration > ENERGY_SHARE * unsteady)
+            & (vibration > MIN_LASTING_SQUARES * motion.largest)
         )
         fastest = np.where(counts, periods, 0.0).max(axis=1)
         return np.where(fastest > 0.0, fastest / self.lowered.longest_step, np.nan)
 
 
 def _energy_at_rest(lowered: LoweredModel, state: State) -> float:
-    """What bodies and springs at rest have by the rounding of positions, and of angles.
+    """The energy of bodies and springs at rest by rounding of positions and angles.
 
     Velocities are then that rounding over the step.
     """
     system = lowered.system
-    bodies, rounded = system.bodies, POSITION * largest_coordinate(system.bodies, state)
-    inertia = np.trace(bodies.J_rot, axis1=1, axis2=2).sum() * POSITION**2
+    bodies, rounded = system.bodies, POSITION_ROUNDING * largest_coordinate(system.bodies, state)
+    inertia = np.trace(bodies.J_rot, axis1=1, axis2=2).sum() * POSITION_ROUNDING**2
     inertia += bodies.mass.sum() * rounded**2
-    lengths = np.where(lowered.measures_lengths, rounded, POSITION)
+    lengths = np.where(lowered.measures_lengths, rounded, POSITION_ROUNDING)
     stiffness = np.abs(system.couplings.laws.stiffness).sum(axis=1)
     return float(inertia / system.scheme.h**2 + stiffness @ lengths**2)
 
 
 def _highest(rate: Array, change: Array) -> float:
-    """The highest frequency of motions with `SHARE` of the kinetic energy at it and above.
+    """The highest frequency of motions with `ENERGY_SHARE` of the kinetic energy at it and above.
 
     In periods a step, at most 1/2. rate, change (n,): sums of squares of rates and of their changes
     in a step, whose ratio is (2 sin(omega h / 2))^2 of a vibration, and a mean of several.
     """
     moving = rate > 0.0
     square = change[moving] / rate[moving]
+    # From the highest down, until their sum is the share that counts.
     order = np.argsort(square)[::-1]
     carried = np.cumsum(rate[moving][order])
-    square = square[order][np.searchsorted(carried, SHARE * carried[-1])]
+    square = square[order][np.searchsorted(carried, ENERGY_SHARE * carried[-1])]
     return float(_periods(square))
 
 

@@ -14,8 +14,8 @@ from ..step.system import State, Workspace
 from .events import taken, unfinished
 from .writer import rows_of
 
-NUMBERS = 1 << 20
-"""size of the buffer"""
+# 8 MB: few hand-overs to Python, and little memory beside that of the run
+BUFFER_NUMBERS = 1 << 20
 NO_ENERGIES = Energies(0.0, 0.0)
 """until the first row is kept"""
 
@@ -37,7 +37,8 @@ class Recorder:
     ) -> None:
         width = sum(array.size for array in make_output(lowered, 1).arrays())
         self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
-        n = min(NUMBERS // width, rows_of(lowered))
+        n = min(BUFFER_NUMBERS // width, rows_of(lowered))
+        # Models of thousands of bodies have long rows: some steps at least go at once.
         self.output = make_output(lowered, max(n, 16))
         self._writer, self._h = writer, lowered.h
         self._steps = np.empty(len(self.output.newton_residual), dtype=np.int64)
@@ -53,8 +54,10 @@ class Recorder:
 
     def rows(self, steps: Index, stride: int = 1) -> Index:
         """Rows of the output for steps a stride apart, or as many as fit; -1: not recorded."""
+        # In long steps `every` counts these.
         recorded = (steps % (self._every * stride) == 0) | (steps == self._last)
         waiting = self._waiting + np.cumsum(recorded)
+        # Steps whose rows do not fit are left to the next call.
         return np.where(recorded, waiting - 1, -1)[waiting <= len(self._steps)]
 
     def keep(self, steps: Index, rows: Index, stride: int = 1) -> None:
@@ -80,6 +83,7 @@ class Recorder:
     def write(self) -> None:
         """Write the rows in the buffer; none twice, even after an interrupt."""
         steps, events = self._steps[: self._waiting], self._events
+        # Forgotten before they are written: after an interrupt in `append` none is written twice.
         self._waiting, self._events = 0, []
         if len(steps) or events:
             joined = EventRows.joined(events)
@@ -92,6 +96,7 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        # A run that fails in its first step has nothing to show for earlier results.
         if error is not None and self._taken == 0 and self._writer.abandon():
             return
         self._events.append(unfinished(self._lowered, self._state, self._work))

@@ -11,7 +11,7 @@ from ..start.initial import InitialState
 from ..step.system import Output
 from .keeper import forget_checkpoint, settle_checkpoint
 from .recorder import Recorder
-from .validity import Judge
+from .validity import ValidityMonitor
 from .writer import make_writer, read_back
 
 
@@ -28,18 +28,20 @@ class Recording:
         self._writer = make_writer(path, initial, self._lowered.n_steps)
         forget_checkpoint(self._writer)
         self._recorder = Recorder(self._writer, self._lowered, initial.state, initial.work)
-        self._judge = Judge(self._lowered)
+        self._monitor = ValidityMonitor(self._lowered)
         self._last = self._begin - 1
         self._began = time.perf_counter()
 
     def keep(self, step: int, output: Output) -> None:
         """Keep the only row of an output as that of a step, unless that has been kept."""
+        # `finish` and the end of the `with` block both keep the last step.
         if step == self._last:
             return
         first, self._last = self._last < self._begin, step
         steps = np.array([step])
         rows = np.zeros(1, dtype=np.int64) if first else self._recorder.rows(steps)
         if rows[0] >= 0:
+            # The simulator has one row, in which its views lie: it is copied to the buffer.
             for kept, row in zip(self._recorder.output.arrays(), output.arrays(), strict=True):
                 kept[rows[0]] = row[0]
         if first:
@@ -74,5 +76,5 @@ class Recording:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._writer.check(self._judge.values(self._state, self._last - self._begin))
+        self._writer.check(self._monitor.values(self._state, self._last - self._begin))
         self._recorder.__exit__(kind, error, trace)

@@ -9,8 +9,7 @@ from ...results.contents import Contents
 from ...results.file import chunks
 from ..errors import ModelError
 
-NUMBER = 8
-"""bytes"""
+BYTES_OF_NUMBER = 8
 
 
 def row_numbers(contents: Contents) -> int:
@@ -23,14 +22,15 @@ def file_bytes(contents: Contents, rows: int) -> int:
     size = 0
     for quantity in contents.quantities:
         shape = quantity.shape(contents.axes)
+        # -(-n // chunk) rounds up: HDF5 stores the last chunk whole.
         whole = zip((rows, *shape), chunks(shape, rows), strict=True)
-        size += NUMBER * math.prod(-(-n // chunk) * chunk for n, chunk in whole)
+        size += BYTES_OF_NUMBER * math.prod(-(-n // chunk) * chunk for n, chunk in whole)
     return size
 
 
 def check_memory(contents: Contents, rows: int) -> None:
     """`ModelError` for results that memory cannot hold."""
-    if lacking := shortage(NUMBER * row_numbers(contents) * rows):
+    if lacking := shortage(BYTES_OF_NUMBER * row_numbers(contents) * rows):
         raise ModelError(
             f"output: results of {rows} steps with {row_numbers(contents)} numbers each {lacking}: "
             "record fewer by `every` and `quantities`, or write them to a file"
@@ -38,7 +38,7 @@ def check_memory(contents: Contents, rows: int) -> None:
 
 
 def lack_of_disk(path: Path, contents: Contents, rows: int) -> str:
-    """Says that the disk of a file cannot hold the results; "" if it can."""
+    """A message that the disk cannot hold the results; "" if it can."""
     size, free = file_bytes(contents, rows), shutil.disk_usage(path.parent).free
     if size <= free:
         return ""

@@ -33,7 +33,7 @@ def _n_interfaces(model: Model, name: str) -> int:
 
 
 def _outline(model: Model, name: str, size: float) -> Outline | None:
-    """None of a flexible body whose superelement has none."""
+    """The outline of a body; None for a superelement without one."""
     body = model.bodies[name]
     if isinstance(body, FlexibleBody):
         return body.superelement.outline
@@ -50,6 +50,7 @@ def _connection(lowered: LoweredModel, coupling: Coupling) -> Connection:
     """A coupling as pictures show it; its axis in the axes of its first frame, or in space."""
     D, axis = _first_axes(lowered, coupling), coupling.axis_in_space
     if axis is not None and coupling.between[0] != GROUND:
+        # Axes of bodies turn with them; those of the ground stay in space.
         axis = D.T @ axis
     return Connection(
         coupling.name,

@@ -1,4 +1,4 @@
-"""What of a model is judged: the owners of criteria of validity, and what is known of them."""
+"""The subjects of validity criteria in a model: their owners, and the data about them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,16 +8,17 @@ from ..arrays import Array, Index, as_index, distinct
 from ..lower.lower import LoweredModel
 from ..step.rows import ANGLE, GAP
 
-DENSITY = 8000.0
-"""[kg/m^3] of a body whose volume is not known, as of lines: that of steel"""
-EARLY = 0.25
-"""of the duration of a contact, before which a peak asks for more steps than the duration has"""
+# [kg/m^3] for bodies whose volume is not known, as of lines
+STEEL_DENSITY = 8000.0
+# of the duration of a contact. A peak before that needs more steps than the duration alone asks
+# for.
+EARLY_PEAK = 0.25
 
 Mask = NDArray[np.bool_]
 
 
 class Subjects:
-    """What of a model is judged."""
+    """The owners of validity criteria in a model, and the data about them."""
 
     def __init__(self, lowered: LoweredModel) -> None:
         self.lowered = lowered
@@ -101,7 +102,7 @@ def _called(lowered: LoweredModel, j: int, kind: str) -> str:
 
 
 def _rises(lowered: LoweredModel) -> Array:
-    """How much earlier than after `EARLY` of its duration each contact has its peak, 1 if not.
+    """How much earlier than after `EARLY_PEAK` of its duration each contact has its peak, 1 if not.
 
     A free body that meets a wall with the restitution e has it after about e^0.9 / 2 of the
     duration.
@@ -109,7 +110,7 @@ def _rises(lowered: LoweredModel) -> Array:
     impacts = [contact.impact for contact in lowered.model.contacts]
     impacts += [stop.impact for stop in lowered.model.stops]
     restitution = np.array([impact.restitution for impact in impacts], dtype=np.float64)
-    rises: Array = np.minimum(1.0, 0.5 * restitution**0.9 / EARLY)
+    rises: Array = np.minimum(1.0, 0.5 * restitution**0.9 / EARLY_PEAK)
     return rises
 
 
@@ -159,7 +160,7 @@ def _has_stress(element: Superelement) -> bool:
 
 def _stress_by_spin(element: Superelement) -> float:
     """rho r^2 [Pa s^2]"""
-    outline, density, radius = element.outline, DENSITY, 0.5 * element.size
+    outline, density, radius = element.outline, STEEL_DENSITY, 0.5 * element.size
     if outline is not None and len(outline.points):
         radius = float(np.linalg.norm(outline.points, axis=1).max())
         if volume := abs(outline.volume):

@@ -6,13 +6,13 @@ from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
 from ..arrays import Array
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel
-from ..step.extremes import FARTHEST_MOVE, FARTHEST_TURN
+from ..step.extremes import MAX_ELASTIC_DISPLACEMENT, MAX_ELASTIC_ROTATION
 from ..step.system import State
-from .measures import MEASURES
+from .measures import MEASURE_OF_CRITERION
 from .reading import Reading
 from .subjects import Subjects
 
-CAUSES = (
+FAILING_CRITERIA = (
     "elastic_rotation",
     "elastic_displacement",
     "second_order_rotation",
@@ -24,8 +24,8 @@ CAUSES = (
 """criteria beyond whose limits Newton's method may fail"""
 
 
-class Judge:
-    """The checks of a model by name, "CRITERION:OWNER", and their values in a state.
+class ValidityMonitor:
+    """The validity checks of a model by name, "CRITERION:OWNER", and their values in a state.
 
     It needs nothing but the model and a state of it, whatever takes the steps.
     """
@@ -35,14 +35,15 @@ class Judge:
         self.names = tuple(
             f"{name}:{owner}"
             for name in CRITERIA
-            for owner in MEASURES[name].owners(self._subjects)
+            for owner in MEASURE_OF_CRITERION[name].owners(self._subjects)
         )
 
     def values(self, state: State, taken: int) -> Array:
         """The values of all checks after so many steps, in their order."""
         reading = Reading(self._subjects, state, taken)
+        # nan and inf are verdicts here.
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that grows without bound
-            values = [MEASURES[name].values(reading) for name in CRITERIA]
+            values = [MEASURE_OF_CRITERION[name].values(reading) for name in CRITERIA]
         return np.concatenate([np.empty(0), *values])
 
     def validity(self, state: State, taken: int) -> Validity:
@@ -52,8 +53,9 @@ class Judge:
 
     def cause(self, state: State, taken: int) -> str:
         """Why Newton's method may have failed: the first warning of a body beyond the range."""
+        # The first by the order of `CRITERIA`: the most direct cause.
         poor = (check for check in self.validity(state, taken).checks if check.verdict == "poor")
-        causes = (check.warning for check in poor if check.criterion.name in CAUSES)
+        causes = (check.warning for check in poor if check.criterion.name in FAILING_CRITERIA)
         return next(causes, "")
 
 
@@ -61,6 +63,7 @@ def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
     """`OutOfRangeError` where an interface has left the range of linear elasticity by far."""
     if not (left := int(state.extremes.left[0])):
         return
+    # The loop counts frames from 1 here: 0 says that none has left.
     f, extremes = left - 1, state.extremes
     passed = _beyond(lowered, f, np.sqrt(extremes.rotation[f]), np.sqrt(extremes.displacement[f]))
     raise OutOfRangeError(
@@ -68,8 +71,11 @@ def check_range(lowered: LoweredModel, state: State, taken: int) -> None:
     )
 
 
-def torn(lowered: LoweredModel, state: State) -> str:
-    """The interface that is far out of range in a state that need not be that of a step, or ""."""
+def interface_out_of_range(lowered: LoweredModel, state: State) -> str:
+    """The first interface far beyond linear elasticity, in words; "" if there is none.
+
+    The state need not be that of a step: it may be one in which Newton's method has failed.
+    """
     frames, u = lowered.system.frames, state.interfaces.u
     for f in np.flatnonzero(frames.dof >= 0).tolist():
         dof = int(frames.dof[f])
@@ -83,9 +89,10 @@ def _beyond(lowered: LoweredModel, f: int, rotation: float, move: float) -> str:
     """How frame f has left the range at which runs end, in words; "" if it has not."""
     elastic, frames = lowered.system.elastic, lowered.system.frames
     size = float(elastic.size[elastic.of_body[frames.body[f]]])
-    if rotation > FARTHEST_TURN:
-        passed = f"turned by {rotation:.3g} rad by elasticity, more than {FARTHEST_TURN:.3g} rad"
-    elif move > FARTHEST_MOVE * size:
+    if rotation > MAX_ELASTIC_ROTATION:
+        limit = f"{MAX_ELASTIC_ROTATION:.3g} rad"
+        passed = f"turned by {rotation:.3g} rad by elasticity, more than {limit}"
+    elif move > MAX_ELASTIC_DISPLACEMENT * size:
         passed = (
             f"moved by {move:.3g} m by elasticity, more than the size of its body, {size:.3g} m"
         )

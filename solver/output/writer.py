@@ -14,7 +14,7 @@ from ...results.results import Results
 from ...results.source import Memory, Source, Writer
 from ...superelement import Superelement, sha256
 from ..checkpoint.carried import Snapshot
-from ..checkpoint.file import SUFFIX, StateFile
+from ..checkpoint.file import STATE_SUFFIX, StateFile
 from ..errors import ResultsError
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidSuperelement
@@ -27,7 +27,7 @@ from .columns import requested
 from .inputs import drifts
 from .size import check_memory
 from .space import space_of
-from .validity import Judge
+from .validity import ValidityMonitor
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -49,7 +49,7 @@ def check_output(path: Path, model: Model) -> None:
     if isinstance(start := model.settings.start, StartFrom):
         run = Path(start.path)
         inputs[run] = "the run that the model starts from"
-        inputs[run.with_name(run.name + SUFFIX)] = "the state that the model starts from"
+        inputs[run.with_name(run.name + STATE_SUFFIX)] = "the state that the model starts from"
     if found := clash([path], inputs):
         raise ResultsError(f"{found}, which the results would replace")
 
@@ -83,8 +83,8 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
 
 
 def contents_of(lowered: LoweredModel) -> Contents:
-    """What the model requests, the checks of its validity, and its bodies in space."""
-    contents = requested(lowered, Judge(lowered).names)
+    """The requested contents, the checks of validity, and the bodies in space."""
+    contents = requested(lowered, ValidityMonitor(lowered).names)
     bodies = contents.axes["body"].names if "body" in contents.axes else ()
     return replace(contents, space=space_of(lowered, bodies))
 

@@ -25,12 +25,12 @@ from ..errors import ModelError, plain
 
 
 @dataclass(frozen=True)
-class Takes:
-    """An annotation: what a field takes, `what` in messages.
+class FieldSpec:
+    """An annotation: the values that a field accepts, described by `what` in messages.
 
-    store: from what users give to what is kept; ValueError or TypeError for anything else. in_file:
-    the type of the value in a model file; to_file: from what is kept to that value; found: a value
-    as messages quote it.
+    store: converts a given value to the stored one; ValueError or TypeError for any other value.
+    in_file: the type of the value in a model file; to_file: converts the stored value to it; found:
+    quotes a value in messages.
     """
 
     what: str | Callable[[], str]
@@ -44,41 +44,50 @@ class Takes:
         return f"expected {what}, got {self.found(value)}"
 
 
-LARGEST = 1e100
-"""of the numbers of a model: products of three of them are finite"""
+# Products of three numbers of a model stay finite: 1e300 is below the largest double.
+LARGEST_NUMBER = 1e100
 
 
 def real(value: Any) -> float:
-    """A number that calculations can bear; ValueError or TypeError for any other value."""
+    """A number of permissible size; ValueError or TypeError for any other value."""
+    # float() reads "1e3" too, but in a model file a number in quotes is a mistake.
     if isinstance(value, str | bytes):
         raise TypeError
     stored = float(value)
-    if not abs(stored) <= LARGEST:
+    # Written so that nan, which compares as false, is refused too.
+    if not abs(stored) <= LARGEST_NUMBER:
         raise ValueError
     return stored
 
 
-REAL = Takes(f"a number of magnitude up to {LARGEST:g}", real, float)
-"""what a field of type float takes"""
+ANY_NUMBER = FieldSpec(f"a number of magnitude up to {LARGEST_NUMBER:g}", real, float)
+"""the specification of fields of type float"""
 
 
 @dataclass(frozen=True)
-class Key:
+class NameInFile:
     """An annotation: the key of a field in model files, where it is not the field's name."""
 
     name: str
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """An annotation: what a model file says that leaves the key of a field out."""
+class FormerKey:
+    """An annotation: a former name of a field, which model files and Python may still use."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class DefaultInFile:
+    """An annotation: the value of a field whose key a model file leaves out."""
 
     value: Any
 
 
 @dataclass(frozen=True)
-class Beside:
-    """An annotation: in model files the keys of this entry stand beside those of its owner."""
+class Flattened:
+    """An annotation: in model files the keys of this entry are keys of its owner."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +112,12 @@ def entry(*, eq: bool = False, kw_only: bool = False) -> Callable[[type[AnyEntry
     """
 
     def make(kind: type[AnyEntry]) -> type[AnyEntry]:
+        # Descriptors of values.py are there for type checkers alone; at run time these are
+        # annotations.
         frozen = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
         types, signature = get_type_hints(frozen), vars(frozen)["__init__"].__annotations__
+        # help() prints the annotations of __init__: without this it would print whole field
+        # specifications.
         signature |= {name: types[name] for name in signature if name in types}
         return frozen
 
@@ -138,6 +151,7 @@ class Entry:
             if value is None and optional:
                 continue
             try:
+                # The class is frozen: only here may fields be converted.
                 object.__setattr__(self, name, takes.store(value))
             except (ValueError, TypeError) as error:
                 raise self.error(f"{name}: {takes.refusal(value)}") from error
@@ -153,6 +167,8 @@ class Entry:
 def filled(label: str, values: Mapping[str, Any]) -> str:
     """The name of an entry by its fields; text that is not plain is quoted."""
     plain = {key: dotted([text]) if isinstance(text, str) else text for key, text in values.items()}
+    # The entry has not been numbered yet: "joint without a name (revolute)" says which one is
+    # meant.
     if values.get("name") == "" and "{name!r}" in label:
         kind = f" ({plain['type']})" if "type" in values else ""
         return f"{label.partition(' ')[0]} without a name{kind}"
@@ -169,17 +185,38 @@ def annotations(kind: type) -> Mapping[str, Any]:
     }
 
 
-def note(hint: Any, kind: type) -> Any:
-    """The note of a kind (`Takes`, `Key`, `Beside`) in an annotation; None without one.
+@cache
+def former_keys(kind: Any) -> Mapping[str, str]:
+    """The names of fields of an entry by their former names."""
+    hints = annotations(kind).items()
+    return {former.name: name for name, hint in hints if (former := note(hint, FormerKey))}
 
-    That of an optional field included.
+
+def renamed(values: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """Values by the present names of fields; ModelError where a field has two values."""
+    found = {key: value for key, value in values.items() if key not in names}
+    for former, name in names.items():
+        if former in values:
+            if found.get(name):
+                raise ModelError(
+                    f"{former} is the former name of {name}: expected one of them, found both"
+                )
+            found[name] = values[former]
+    return found
+
+
+def note(hint: Any, kind: type) -> Any:
+    """The note of a kind in an annotation, or None.
+
+    kind: `FieldSpec`, `NameInFile`, `Flattened`, ... Optional fields have that of their type.
     """
     if get_origin(hint) is Annotated:
         inner, *notes = get_args(hint)
+        # Annotated types nest: the outer note overrides that of the kind of value.
         return next((item for item in notes if isinstance(item, kind)), None) or note(inner, kind)
-    if hint is float and kind is Takes:
-        return REAL
-    if get_origin(hint) is Literal and kind is Takes:
+    if hint is float and kind is FieldSpec:
+        return ANY_NUMBER
+    if get_origin(hint) is Literal and kind is FieldSpec:
         return one_of(dict.fromkeys(get_args(hint)))
     if NoneType in get_args(hint):
         return next((item for inner in get_args(hint) if (item := note(inner, kind))), None)
@@ -191,10 +228,12 @@ def is_optional(hint: Any) -> bool:
     return NoneType in get_args(inner)
 
 
-def one_of(names: Mapping[str, Any]) -> Takes:
-    """One of the names, which may become more."""
+def one_of(names: Mapping[str, Any]) -> FieldSpec:
+    """The specification of a field that takes one of some names, which may grow in number."""
 
     def what() -> str:
+        # Evaluated when a message is written, for users may have added members since the class was
+        # made.
         *others, last = map(repr, names)
         return f"{', '.join(others)} or {last}" if others else last
 
@@ -204,13 +243,13 @@ def one_of(names: Mapping[str, Any]) -> Takes:
         return name
 
     in_file = Annotated[str, Shown(lambda: {"type": "string", "enum": list(names)})]
-    return Takes(what, store, in_file)
+    return FieldSpec(what, store, in_file)
 
 
 @cache
-def _checked(kind: type) -> tuple[tuple[str, Takes, bool], ...]:
+def _checked(kind: type) -> tuple[tuple[str, FieldSpec, bool], ...]:
     return tuple(
         (name, takes, is_optional(hint))
         for name, hint in annotations(kind).items()
-        if (takes := note(hint, Takes)) is not None
+        if (takes := note(hint, FieldSpec)) is not None
     )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from .entry import Entry
+from .entry import Entry, former_keys, renamed
 
 AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
 
@@ -31,6 +31,8 @@ class ByType(type):
     """
 
     def __call__(cls, *args: Any, **given: Any) -> Any:
+        # Here, before __init__, since dataclasses.replace makes its copies by this call as well.
+        given = renamed(given, former_keys(cls))
         of_type = vars(cls).get("of_type")
         return super().__call__(*args, **given) if of_type is None else cls.of_type(*args, **given)  # type: ignore[attr-defined]
 
@@ -38,6 +40,7 @@ class ByType(type):
 def kinds_of(base: Any) -> dict[str, Any]:
     """The classes that stand on another and have a type, by that."""
     found: dict[str, Any] = {}
+    # Python keeps the list: a class of a user is known as soon as it is declared.
     for kind in base.__subclasses__():
         found |= ({kind.tag: kind} if "tag" in vars(kind) else {}) | kinds_of(kind)
     return found
@@ -64,13 +67,13 @@ class Family:
     def __init__(self, name: str) -> None:
         self.name = name
         self.forms: dict[str, list[Form]] = {}
-        """by the key that distinguishes them"""
+        """the forms, by the key that distinguishes them"""
         self.number: Any = None
         """the entry of one field that a bare number stands for"""
 
     @property
     def title(self) -> str:
-        """Its name in JSON schemas."""
+        """The name of the family in JSON schemas."""
         return self.name.replace(" ", "_")
 
     def in_files(self, key: str, flag: str = "") -> Callable[[AnyEntryType], AnyEntryType]:

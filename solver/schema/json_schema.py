@@ -6,33 +6,38 @@ from math import inf
 from typing import Any
 
 from ...inputs import Table, member_of
-from .entry import REAL, Takes, note
+from .entry import ANY_NUMBER, FieldSpec, note
 from .forms import Family, Form
 
 Schema = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Told:
-    """An annotation of a key: what it takes, in words, and what it is unless given."""
+class ValueInWords:
+    """An annotation of a key: the values that it takes, in words, and its default."""
 
     what: str | Callable[[], str]
     default: Any
+    deprecated: bool = False
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: Any) -> Schema:
         schema: Schema = dict(handler(core_schema))
         what = self.what if isinstance(self.what, str) else self.what()
+        # An enumeration says itself what is expected.
         if what and "enum" not in schema:
             schema["expected"] = what
+        # "" stands for a name that is numbered; JSON has no infinity.
         if isinstance(self.default, bool | int | float | str) and self.default not in ("", inf):
             schema["default"] = self.default
+        if self.deprecated:
+            schema["deprecated"] = True
         return schema
 
 
-def told(field: "Field[Any]", hint: Any) -> Told:
-    takes = note(hint, Takes)
-    what = "" if takes is None or takes is REAL else takes.what
-    return Told(what, None if field.default is MISSING else field.default)
+def value_in_words(field: "Field[Any]", hint: Any) -> ValueInWords:
+    takes = note(hint, FieldSpec)
+    what = "" if takes is None or takes is ANY_NUMBER else takes.what
+    return ValueInWords(what, None if field.default is MISSING else field.default)
 
 
 def members_of(family: str) -> Schema:

@@ -9,10 +9,11 @@ from typing import Annotated, Any
 
 from ...files.outputs import resolved
 from ...inputs import Shown
-from .entry import Takes
+from .entry import FieldSpec
 
-LONGEST = 1000
-"""characters of a path"""
+# characters; systems refuse longer names with errors that do not name the key
+MAX_PATH_LENGTH = 1000
+# A context variable, not a global one: threads may read models of different folders.
 _FOLDER: ContextVar[Path] = ContextVar("folder", default=Path())
 
 
@@ -33,8 +34,9 @@ def relative(path: str, folder: Path) -> str:
 
 def _store(value: Any) -> str:
     path = os.fspath(value)
-    if not (isinstance(path, str) and path.isprintable() and 0 < len(path) <= LONGEST):
+    if not (isinstance(path, str) and path.isprintable() and 0 < len(path) <= MAX_PATH_LENGTH):
         raise ValueError
+    # Not resolved: a link in a user's project keeps its name in messages and written files.
     return os.path.abspath(_FOLDER.get() / path)
 
 
@@ -43,4 +45,4 @@ def _in_file(path: str) -> str:
 
 
 _PATH = Annotated[Any, Shown(lambda: {"type": "string"})]
-FilePath = Annotated[str, Takes("the path of a file", _store, _PATH, _in_file)]
+FilePath = Annotated[str, FieldSpec("the path of a file", _store, _PATH, _in_file)]

@@ -1,8 +1,8 @@
-"""Entries as tables of a model file, by what their fields take."""
+"""Entries as tables of a model file, by the specifications of their fields."""
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields
+from dataclasses import MISSING, Field, fields, replace
 from functools import cache
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin
@@ -13,9 +13,21 @@ from pydantic import create_model
 
 from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
 from ..errors import ModelError
-from .entry import Beside, Entry, ItemOf, Key, LeftOut, Takes, annotations, note
+from .entry import (
+    DefaultInFile,
+    Entry,
+    FieldSpec,
+    Flattened,
+    FormerKey,
+    ItemOf,
+    NameInFile,
+    annotations,
+    former_keys,
+    note,
+    renamed,
+)
 from .forms import Family, Form, Kinds, Members
-from .json_schema import members_of, told
+from .json_schema import members_of, value_in_words
 
 AnyEntry = TypeVar("AnyEntry", bound=Entry)
 
@@ -31,6 +43,7 @@ def table_of(kind: type[Entry]) -> type[EntryTable]:
     """The table in which a model file gives an entry."""
     keys = keys_of(kind)
     if kind.tag:
+        # pydantic tells the tables of an array apart by this literal.
         keys = {"type": (Literal[kind.tag], ...), **keys}
     table = create_model(kind.__name__, __base__=EntryTable, **keys)
     table.entry, table.documented = kind, (kind,)
@@ -50,41 +63,62 @@ def keys_of(kind: type[Entry]) -> dict[str, Any]:
     """
     keys: dict[str, Any] = {}
     for field, hint in declared(kind):
-        if note(hint, Beside):
+        if note(hint, Flattened):
+            # Keys of a flattened entry stand in the table of its owner.
             keys |= keys_of(_bare(hint))
         elif item := note(hint, ItemOf):
             keys[item.key] = (item.in_file, ...)
         else:
-            required = _is_required(field) and note(hint, LeftOut) is None
-            kind_in_file: Any = Annotated[type_in_file(hint), told(field, hint)]
+            required = _is_required(field) and note(hint, DefaultInFile) is None
+            kind_in_file: Any = Annotated[type_in_file(hint), value_in_words(field, hint)]
             keys[key_of(field, hint)] = (kind_in_file, ... if required else None)
+            if former := note(hint, FormerKey):
+                words = replace(value_in_words(field, hint), deprecated=True)
+                keys[former.name] = (Annotated[type_in_file(hint), words], None)
     return keys
 
 
 def key_of(field: "Field[Any]", hint: Any) -> str:
-    key = note(hint, Key)
+    key = note(hint, NameInFile)
     return field.name if key is None else str(key.name)
 
 
 def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     """An entry from the values of a file, by key; ModelError names the entry."""
     values: dict[str, Any] = {}
+    declaring: Any = kind
+    former = {name: key for key, name in former_keys(declaring).items() if key in table}
+    try:
+        table = renamed(table, former_keys(declaring))
+    except ModelError as error:
+        raise _owned(kind, table, str(error)) from error
     for field, hint in declared(kind):
-        if note(hint, Beside):
+        if note(hint, Flattened):
             try:
                 values[field.name] = entry_of(_bare(hint), table)
             except ModelError as error:
                 raise _owned(kind, values, str(error)) from error
         elif item := note(hint, ItemOf):
+            # Two fields, frame_a and frame_b, share one key, `between`.
             values[field.name] = table[item.key][item.number]
         elif (key := key_of(field, hint)) in table:
             try:
                 values[field.name] = _read(hint, table[key])
             except ValueError as error:
                 raise _owned(kind, values, f"{field.name}: {error}") from error
-        elif (left_out := note(hint, LeftOut)) is not None:
+        elif (left_out := note(hint, DefaultInFile)) is not None:
             values[field.name] = left_out.value
-    return kind(**values)
+    try:
+        return kind(**values)
+    except ModelError as error:
+        raise ModelError(_by_keys_of_file(str(error), former)) from error
+
+
+def _by_keys_of_file(message: str, former: Mapping[str, str]) -> str:
+    """A message with the key that the file has, where that is a former name."""
+    for name, key in former.items():
+        message = message.replace(f"{name}:", f"{key}, now {name}:")
+    return message
 
 
 def _read(hint: Any, value: Any) -> Any:
@@ -100,6 +134,8 @@ def _read_members(family: Family, value: Any) -> Any:
     """A member, a list of them, or a table of either, which alone has tables in it."""
     if isinstance(value, list | tuple):
         return tuple(read_member(family, item) for item in value)
+    # A table of members by name has tables as values; the table of one member has numbers and
+    # lists.
     if not isinstance(value, Mapping) or not any(map(_holds_tables, value.values())):
         return read_member(family, value)
     named = {}
@@ -141,12 +177,14 @@ def table_in_file(entry: Entry) -> dict[str, Any]:
     table: dict[str, Any] = {"type": entry.tag} if entry.tag else {}
     for field, hint in declared(type(entry)):
         value = in_file(entry, field.name, getattr(entry, field.name), hint)
-        if note(hint, Beside):
+        if note(hint, Flattened):
             table |= value
         elif item := note(hint, ItemOf):
             table.setdefault(item.key, []).append(value)
+        # Both are compared as files give them: arrays have no truth value.
         elif value != _default_in_file(entry, field, hint):
             table[key_of(field, hint)] = value
+    # The name comes first, for people who read the file.
     return {key: table[key] for key in ("name", *table) if key in table}
 
 
@@ -163,7 +201,7 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
         if table is None:
             raise owner.error(f"{name}: a {type(value).__name__} cannot be written to a file")
         return table
-    takes = note(hint, Takes)
+    takes = note(hint, FieldSpec)
     if takes is not None and takes.to_file is not None:
         return takes.to_file(value)
     if isinstance(value, Entry):
@@ -177,13 +215,16 @@ def in_file(owner: Entry, name: str, value: Any, hint: Any) -> Any:
 
 def read_member(family: Family, value: Any) -> Any:
     """An entry of a family, from a table with one key by which it is known, or from a number."""
+    # In Python a bool is an int.
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if is_number and family.number is not None:
         return family.number(float(value))
     keys = list(value) if isinstance(value, Mapping) else []
     if known := [tuple(forms) for key, forms in family.forms.items() if key in keys]:
+        # A key may belong to two forms (`times` and `over`): the one that takes all keys is meant.
         fit = [forms for forms in known if set(keys) <= set(_table_of_forms(forms).model_fields)]
         return _entry_of_forms((fit or known)[0], value)
+    # None of its keys is known, so that the most likely mistake is a misspelled one.
     nearest = [near for key in keys for near in difflib.get_close_matches(key, family.forms, n=1)]
     meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
     form = "a table" if family.number is None else "a number or a table"
@@ -198,6 +239,7 @@ def _entry_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
     flags = [form.flag for form in forms if table.pop(form.flag, False)]
     if len(flags) > 1:
         raise ValueError(f"expected {' or '.join(flags)}, found both")
+    # Forms of the same key are told apart by flags; without one the plain form is meant.
     flag = flags[0] if flags else ""
     return entry_of(next(form.kind for form in forms if form.flag == flag), table)
 
@@ -226,6 +268,8 @@ def member_in_file(family: Family, member: Any) -> Any:
         (number,) = vars(member).values()
         return float(number)
     for form in (form for forms in family.forms.values() for form in forms):
+        # Not isinstance: a user's subclass would be written as its base, and read back as another
+        # signal.
         if type(member) is form.kind:
             return table_in_file(member) | ({form.flag: True} if form.flag else {})
     return None
@@ -239,7 +283,7 @@ def type_in_file(hint: Any) -> Any:
     if (members := note(hint, Members)) is not None:
         return Annotated[Any, Shown(lambda: members_of(members.family.title))]
     if origin is Annotated:
-        takes = next((item for item in arguments[1:] if isinstance(item, Takes)), None)
+        takes = next((item for item in arguments[1:] if isinstance(item, FieldSpec)), None)
         return takes.in_file if takes is not None else type_in_file(arguments[0])
     if origin in (Union, UnionType):
         return Union[tuple(map(type_in_file, arguments))]  # noqa: UP007 - of a tuple of types
@@ -265,11 +309,12 @@ def _default_in_file(owner: Entry, field: "Field[Any]", hint: Any) -> Any:
     if field.default_factory is not MISSING:
         return in_file(owner, field.name, field.default_factory(), hint)
     if field.default is MISSING:
-        left_out = note(hint, LeftOut)
+        left_out = note(hint, DefaultInFile)
         return MISSING if left_out is None else left_out.value
-    takes = note(hint, Takes)
+    takes = note(hint, FieldSpec)
     stored = field.default
     if takes is not None and stored is not None:
+        # Defaults of dataclasses are not converted, values are: only converted ones compare.
         stored = takes.store(stored)
     return in_file(owner, field.name, stored, hint)
 

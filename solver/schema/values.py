@@ -15,66 +15,77 @@ from pydantic import AfterValidator, AllowInfNan
 from ... import inputs
 from ...inputs import expected
 from ..arrays import Array
-from .entry import LARGEST, ItemOf, LeftOut, Takes, real
+from .entry import LARGEST_NUMBER, DefaultInFile, FieldSpec, ItemOf, real
 
-ORIGIN: Any = (0.0, 0.0, 0.0)
+ZERO_VECTOR: Any = (0.0, 0.0, 0.0)
 """the default of a `Vector`"""
-NONE: Any = ()
+NO_ITEMS: Any = ()
 """the default of `Several`"""
-ABSENT: Any = None
+NO_ARRAY: Any = None
 """the default of an optional array"""
-ROUNDING = 1e-15
-"""largest difference of the length of a unit vector from 1"""
+# A vector that was normalized before differs from 1 by a few roundings. It must stay as it is, or
+# files would not read back to equal models.
+UNIT_LENGTH_TOLERANCE = 1e-15
 AXIS_WORDS = {
     f"{sign}{axis}": tuple((-1.0 if sign else 1.0) * (k == n) for k in range(3))
     for n, axis in enumerate("xyz")
     for sign in ("", "-")
 }
 """the axes of space in words"""
-SYMMETRY = 1e-9
-"""largest difference across the diagonal, relative to the largest entry"""
+# relative to the largest entry: what a file written with ten digits leaves
+SYMMETRY_TOLERANCE = 1e-9
 Item = TypeVar("Item")
 
 
-def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> Takes:
+def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> FieldSpec:
     """A number within limits."""
 
     def store(value: Any) -> Any:
         stored = kind(value)
+        # int(2.5) would pass as 2.
         if stored != value or not allowed(stored):
             raise ValueError
         return stored
 
-    return Takes(what, store, Annotated[kind, AfterValidator(store), expected(what)])
+    return FieldSpec(what, store, Annotated[kind, AfterValidator(store), expected(what)])
 
 
 Positive = Annotated[
     float,
-    number("a positive number, 1e-100 to 1e100", float, lambda x: 1.0 / LARGEST <= x <= LARGEST),
+    number(
+        "a positive number, 1e-100 to 1e100",
+        float,
+        lambda x: 1.0 / LARGEST_NUMBER <= x <= LARGEST_NUMBER,
+    ),
 ]
 NotZero = Annotated[
     float,
     number(
         "a number other than 0, of magnitude 1e-100 to 1e100",
         float,
-        lambda x: 1.0 / LARGEST <= abs(x) <= LARGEST,
+        lambda x: 1.0 / LARGEST_NUMBER <= abs(x) <= LARGEST_NUMBER,
     ),
 ]
 NotNegative = Annotated[
-    float, number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST)
+    float,
+    number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST_NUMBER),
 ]
 ZeroOrPositive = Annotated[
     float,
     number(
         "0, or a number from 1e-100 to 1e100",
         float,
-        lambda x: x == 0.0 or 1.0 / LARGEST <= x <= LARGEST,
+        lambda x: x == 0.0 or 1.0 / LARGEST_NUMBER <= x <= LARGEST_NUMBER,
     ),
 ]
 AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
 PositiveTime = Annotated[
     float,
-    number("a positive time, 1e-100 to 1e100", float, lambda t: 1.0 / LARGEST <= t <= LARGEST),
+    number(
+        "a positive time, 1e-100 to 1e100",
+        float,
+        lambda t: 1.0 / LARGEST_NUMBER <= t <= LARGEST_NUMBER,
+    ),
 ]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
@@ -85,7 +96,7 @@ Iterations = Annotated[int, number("1 to 1000", int, lambda n: 1 <= n <= 1000)]
 def reals(value: Any) -> Array:
     """An array of any shape of numbers that `real` takes."""
     entries = np.array(value, dtype=np.float64)
-    if not (np.abs(entries) <= LARGEST).all():
+    if not (np.abs(entries) <= LARGEST_NUMBER).all():
         raise ValueError
     return entries
 
@@ -99,6 +110,7 @@ def vector(value: Any) -> Array:
 
 def axis_or_vector(value: Any) -> Array:
     """Three numbers; "x", "-z", ... are the axes and their opposites."""
+    # An unknown word goes on to `vector`, whose error says what is expected.
     return vector(AXIS_WORDS.get(value, value) if isinstance(value, str) else value)
 
 
@@ -108,8 +120,13 @@ def direction(value: Any) -> Array:
     largest = float(np.abs(along).max())
     if largest == 0.0:
         raise ValueError
+    # Squares of components of 1e-200 would vanish: they are scaled first.
     length = largest * float(np.linalg.norm(along / largest))
-    return along if abs(length - 1.0) <= ROUNDING else along / largest / (length / largest)
+    return (
+        along
+        if abs(length - 1.0) <= UNIT_LENGTH_TOLERANCE
+        else along / largest / (length / largest)
+    )
 
 
 def points(value: Any) -> Array:
@@ -132,6 +149,7 @@ def numbers_by_name(value: Any) -> dict[str, float]:
 
 
 def some_numbers(value: Any) -> tuple[float, ...]:
+    # Checked after conversion: an iterator has no length.
     if len(stored := numbers(value)) == 0:
         raise ValueError
     return stored
@@ -154,6 +172,7 @@ def name_of(value: Any) -> str:
 
 
 def names(value: Any) -> tuple[str, ...]:
+    # A string is a sequence of strings: "pin" would become three names.
     if isinstance(value, str):
         raise TypeError
     return tuple(map(name_of, value))
@@ -166,6 +185,7 @@ def pair(value: Any) -> tuple[str, str]:
 
 def limits(value: Any) -> tuple[float, float]:
     """A lower and a higher number, of which one may be infinite."""
+    # `real` refuses infinities, which are meant here: no limit on this side.
     lower, upper = (x if math.isinf(x) else real(x) for x in map(float, value))
     if not lower < upper or (math.isinf(lower) and math.isinf(upper)):
         raise ValueError
@@ -182,7 +202,7 @@ def inertia(value: Any) -> Array:
 
 def is_symmetric(matrix: Array) -> bool:
     """True up to rounding, which is relative to the largest entry."""
-    return bool(np.abs(matrix - matrix.T).max() <= SYMMETRY * np.abs(matrix).max())
+    return bool(np.abs(matrix - matrix.T).max() <= SYMMETRY_TOLERANCE * np.abs(matrix).max())
 
 
 def shortest(matrix: Array) -> Any:
@@ -191,6 +211,7 @@ def shortest(matrix: Array) -> Any:
     diagonal = np.diag(matrix)
     if (matrix != np.diag(diagonal)).any():
         return matrix.tolist()
+    # A zero matrix is written as 0, which stands for one of any size.
     return diagonal.tolist() if diagonal.any() and len(diagonal) > 1 else float(diagonal[0])
 
 
@@ -213,22 +234,22 @@ def some_non_zero(value: Any) -> tuple[float, ...]:
 
 SomeNonZero = Annotated[
     tuple[float, ...],
-    Takes(
+    FieldSpec(
         "one or more numbers other than 0",
         some_non_zero,
         Annotated[tuple[float, ...], AfterValidator(some_non_zero)],
     ),
 ]
-Name = Annotated[str, LeftOut("")]
+Name = Annotated[str, DefaultInFile("")]
 """a name; what has none in a file is numbered"""
 NumbersByName = Annotated[
-    Mapping[str, float], Takes("numbers by name", numbers_by_name, dict[str, float])
+    Mapping[str, float], FieldSpec("numbers by name", numbers_by_name, dict[str, float])
 ]
 Infinite = Annotated[float, AllowInfNan(True), inputs.Shown(lambda: {"type": ["number", "null"]})]
 """a number in a file that may be infinite, which editors take for null: JSON has no infinity"""
 Limits = Annotated[
     tuple[float, float],
-    Takes(
+    FieldSpec(
         "a lower and a higher number, of which one may be infinite",
         limits,
         Annotated[
@@ -237,18 +258,18 @@ Limits = Annotated[
         ],
     ),
 ]
-Words = Annotated[tuple[str, ...], Takes("names", names, tuple[str, ...])]
+Words = Annotated[tuple[str, ...], FieldSpec("names", names, tuple[str, ...])]
 
 
 class Framed(Protocol):
-    """What has a frame, as the handles of frames and bodies of a mechanism."""
+    """An object that has a frame, such as the handle of a frame or a body of a mechanism."""
 
     @property
     def frame_name(self) -> str: ...
 
 
 class Named(Protocol):
-    """What has a name, as a joint or the handle of a body."""
+    """An object that has a name, such as a joint or the handle of a body."""
 
     @property
     def name(self) -> str: ...
@@ -336,32 +357,34 @@ if TYPE_CHECKING:
     SomeNumbers = Numbers
 else:
     _TwoFrames = Annotated[tuple[str, str], expected("the names of two frames")]
-    FrameName = Annotated[str, Takes("the name of a frame", frame_name, str)]
+    FrameName = Annotated[str, FieldSpec("the name of a frame", frame_name, str)]
     FrameA = Annotated[FrameName, ItemOf("between", 0, _TwoFrames)]
     FrameB = Annotated[FrameName, ItemOf("between", 1, _TwoFrames)]
-    Pair = Annotated[tuple[str, str], Takes("two frames", pair, _TwoFrames)]
-    BodyName = Annotated[str, Takes("the name of a body", name_of, str)]
-    JointName = Annotated[str, Takes("the name of a joint", name_of, str)]
-    JointNames = Annotated[tuple[str, ...], Takes("names of joints", names, tuple[str, ...])]
+    Pair = Annotated[tuple[str, str], FieldSpec("two frames", pair, _TwoFrames)]
+    BodyName = Annotated[str, FieldSpec("the name of a body", name_of, str)]
+    JointName = Annotated[str, FieldSpec("the name of a joint", name_of, str)]
+    JointNames = Annotated[tuple[str, ...], FieldSpec("names of joints", names, tuple[str, ...])]
 
     class Several:
         def __class_getitem__(cls, item: Any) -> Any:
-            return Annotated[tuple, Takes("a sequence", tuple, tuple)]
+            return Annotated[tuple, FieldSpec("a sequence", tuple, tuple)]
 
-    Vector = Annotated[np.ndarray, Takes("three numbers", vector, inputs.Vector)]
-    AxisOrVector = Annotated[np.ndarray, Takes("three numbers", axis_or_vector, inputs.Vector)]
+    Vector = Annotated[np.ndarray, FieldSpec("three numbers", vector, inputs.Vector)]
+    AxisOrVector = Annotated[np.ndarray, FieldSpec("three numbers", axis_or_vector, inputs.Vector)]
     Direction = Annotated[
-        np.ndarray, Takes("three numbers that are not all zero", direction, inputs.Vector)
+        np.ndarray, FieldSpec("three numbers that are not all zero", direction, inputs.Vector)
     ]
     OptionalDirection = Direction | None
-    OptionalArray = Annotated[np.ndarray, Takes("numbers", array, float | tuple[float, ...])] | None
-    OptionalPoints = (
-        Annotated[np.ndarray, Takes("pairs of numbers", points, tuple[_Point, ...])] | None
+    OptionalArray = (
+        Annotated[np.ndarray, FieldSpec("numbers", array, float | tuple[float, ...])] | None
     )
-    Numbers = Annotated[tuple[float, ...], Takes("numbers", numbers, tuple[float, ...])]
+    OptionalPoints = (
+        Annotated[np.ndarray, FieldSpec("pairs of numbers", points, tuple[_Point, ...])] | None
+    )
+    Numbers = Annotated[tuple[float, ...], FieldSpec("numbers", numbers, tuple[float, ...])]
     SomeNumbers = Annotated[
         tuple[float, ...],
-        Takes(
+        FieldSpec(
             "one or more numbers",
             some_numbers,
             Annotated[tuple[float, ...], AfterValidator(some_numbers)],
@@ -369,11 +392,11 @@ else:
     ]
     Inertia = Annotated[
         np.ndarray,
-        Takes(
+        FieldSpec(
             "three principal values or a symmetric 3x3 matrix",
             inertia,
             _Inertia,
             shortest,
         ),
     ]
-    Coefficients = Annotated[np.ndarray, Takes("numbers", array, _Coefficients, shortest)]
+    Coefficients = Annotated[np.ndarray, FieldSpec("numbers", array, _Coefficients, shortest)]

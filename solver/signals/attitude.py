@@ -14,12 +14,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from ..arrays import Array
-from ..schema.entry import Takes
+from ..schema.entry import FieldSpec
 from ..schema.forms import Members
-from .signal import SIGNALS, SmoothSignal, is_smooth, values_of
+from .signal import SIGNAL_FORMS, SmoothSignal, is_smooth, values_of
 
-SMALL = 1e-2
-"""square of an angle below which functions of it are sums of a few powers"""
+# Closed forms divide differences that cancel by a^2 to a^4. Below, the series of nine terms is
+# exact to rounding.
+SERIES_ANGLE_SQUARED = 1e-2
 Moving = tuple[Array, Array, Array]
 """a value with its first and second derivative in time"""
 _I, _J, _K = np.eye(3)
@@ -35,8 +36,8 @@ def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal
 
 Attitudes = Annotated[
     tuple[SmoothSignal, SmoothSignal, SmoothSignal] | None,
-    Members(SIGNALS),
-    Takes("three smooth signals", _three_signals, Any),
+    Members(SIGNAL_FORMS),
+    FieldSpec("three smooth signals", _three_signals, Any),
 ]
 
 
@@ -62,6 +63,7 @@ class Attitude:
     def rotations(self, t: Array) -> Array:
         """R (n, 3, 3) at times t (n,)."""
         if (key := t.tobytes()) not in self._last:
+            # Three rows of three components ask for the same rotations one after the other.
             values = np.stack([values_of(signal, t) for signal in self.signals], axis=1)
             self._last.clear()
             self._last[key] = _rotations(values, self.form)
@@ -105,6 +107,7 @@ def _rotations(values: Array, form: str) -> Array:
         W = np.zeros((len(values), 3, 3))
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             W[:, i, j], W[:, j, i] = -values[:, k], values[:, k]
+        # sinc has no cancellation at small angles: (1 - cos a) / a^2 = sinc(a / 2)^2 / 2.
         a = np.linalg.norm(values, axis=1)[:, None, None]
         half = np.sinc(0.5 * a / np.pi)
         R: Array = np.eye(3) + np.sinc(a / np.pi) * W + 0.5 * half**2 * (W @ W)
@@ -135,6 +138,7 @@ def _about(axis: Array, angle: Array) -> Moving:
     """exp(angle axis~) for an angle with its derivatives (3,)."""
     a, rate, acceleration = angle.tolist()
     S, P = _skew(axis), np.eye(3) - np.outer(axis, axis)
+    # Derivatives by the angle; the chain rule follows below.
     slope = math.cos(a) * S - math.sin(a) * P
     curvature = -math.sin(a) * S - math.cos(a) * P
     R = np.outer(axis, axis) + math.cos(a) * P + math.sin(a) * S
@@ -144,6 +148,7 @@ def _about(axis: Array, angle: Array) -> Moving:
 def _exponential(w: Moving) -> Moving:
     """exp(w~) = 1 + s w~ + c w~ w~, with s and c functions of x = w . w."""
     x = float(w[0] @ w[0]), 2.0 * float(w[0] @ w[1]), 2.0 * float(w[0] @ w[2] + w[1] @ w[1])
+    # Functions of x = a^2, not of a: they are smooth at zero, where a = |w| is not.
     s, c = _coefficients(x[0])
     W: Moving = (_skew(w[0]), _skew(w[1]), _skew(w[2]))
     R = [np.eye(3), np.zeros((3, 3)), np.zeros((3, 3))]
@@ -168,12 +173,14 @@ def _scaled(f: Moving, A: Moving) -> Moving:
 
 def _coefficients(x: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """sin(a) / a and (1 - cos a) / a^2 with their derivatives by x = a^2."""
-    if x < SMALL:
+    if x < SERIES_ANGLE_SQUARED:
         return _by_powers(x, 1), _by_powers(x, 2)
     a = math.sqrt(x)
     sine, cosine = math.sin(a), math.cos(a)
     s_0, c_0 = sine / a, (1.0 - cosine) / x
     s_1, c_1 = (cosine - s_0) / (2.0 * x), (0.5 * s_0 - c_0) / x
+    # From the differential equations of s and c by x, which need no further trigonometric
+    # functions.
     s_2 = (-0.5 * s_0 - 3.0 * s_1) / (2.0 * x)
     c_2 = (0.5 * s_1 - 2.0 * c_1) / x
     return (s_0, s_1, s_2), (c_0, c_1, c_2)

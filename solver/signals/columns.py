@@ -14,10 +14,9 @@ from ...inputs.text import read_text
 from ..arrays import Array
 from ..errors import ModelError
 
-SEPARATORS = (";", "\t", ",")
-"""tried in this order; else blanks"""
-SHOWN = 12
-"""columns that a message lists"""
+# Tried in this order, blanks last: a comma may be a decimal mark where semicolons or tabs separate.
+COLUMN_SEPARATORS = (";", "\t", ",")
+MAX_COLUMNS_IN_MESSAGE = 12
 
 
 class _Sheet(NamedTuple):
@@ -42,8 +41,8 @@ def number_of_column(path: str, column: str | int) -> int:
             raise ModelError(f"file: {path}: no column {column}; {there_are}")
         return column - 1
     if column not in sheet.names:
-        listed = ", ".join(map(quoted, sheet.names[:SHOWN])) or "none with a name"
-        more = ", ..." if len(sheet.names) > SHOWN else ""
+        listed = ", ".join(map(quoted, sheet.names[:MAX_COLUMNS_IN_MESSAGE])) or "none with a name"
+        more = ", ..." if len(sheet.names) > MAX_COLUMNS_IN_MESSAGE else ""
         raise ModelError(f"file: {path}: no column {quoted(column)}; there are: {listed}{more}")
     if sheet.names.count(column) > 1:
         raise ModelError(f"file: {path}: more than one column is named {quoted(column)}")
@@ -56,6 +55,7 @@ def column_of(path: str, column: str | int, increasing: bool = False) -> Array:
     numbers = np.empty(len(sheet.rows))
     before = -math.inf
     for n, (line, cells) in enumerate(sheet.rows):
+        # Empty cells beyond the last column are harmless; others mean a shifted row.
         if any(cells[sheet.width :]):  # lines may end with separators
             raise ModelError(
                 f"file: {path}: line {line}: expected {sheet.width} columns, as in the first line, "
@@ -71,6 +71,7 @@ def column_of(path: str, column: str | int, increasing: bool = False) -> Array:
                 f"{_where(path, line, column)}: times must increase, found {number:.9g} after "
                 f"{before:.9g}"
             )
+        # The first bad line is named, not the number of all.
         numbers[n] = before = number
     return numbers
 
@@ -105,6 +106,8 @@ def _has_decimal_comma(cells: tuple[str, ...]) -> bool:
 def _sheet(path: str) -> _Sheet:
     try:
         status = os.stat(path)
+        # Time and size are arguments only to serve as a key of the cache: a changed file is read
+        # again.
         return _read(path, status.st_mtime_ns, status.st_size)
     except OSError as error:
         raise ModelError(f"file: {path}: not a readable file: {error.strerror or error}") from error
@@ -117,12 +120,15 @@ def _sheet(path: str) -> _Sheet:
 @lru_cache(maxsize=4)
 def _read(path: str, changed: int, size: int) -> _Sheet:
     """The rows of a file of this size that was changed at this time."""
+    # Spreadsheets write a byte order mark, which would become part of the first name.
     lines = _lines(read_text(path).removeprefix("\ufeff"))
     if not lines:
         raise InputError(f"{path}: expected rows of numbers, found none")
     text = "\n".join(line for _, line in lines[:2])
-    separator = next((mark for mark in SEPARATORS if mark in text), " ")
+    # The second line has numbers, where the first may have names with commas in them.
+    separator = next((mark for mark in COLUMN_SEPARATORS if mark in text), " ")
     rows = tuple(_cells(lines, separator))
+    # One cell decides for the whole file: "1,234" alone could be either.
     comma = separator != "," and any(_has_decimal_comma(cells) for _, cells in rows)
     _, first = rows[0]
     if any(_is_numeric(cell) for cell in first):
@@ -140,6 +146,7 @@ def _cells(lines: list[tuple[int, str]], separator: str) -> Iterator[tuple[int, 
     if separator == " ":
         yield from ((n, tuple(line.split())) for n, line in lines)
         return
+    # csv knows quotes: a name may contain the separator.
     rows = csv.reader((line for _, line in lines), delimiter=separator, skipinitialspace=True)
     for (n, _), cells in zip(lines, rows, strict=False):
         yield n, tuple(cell.strip() for cell in cells)

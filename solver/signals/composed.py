@@ -7,12 +7,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Members
 from .curves import Impulse, Input
 from .sampling import samples_of
 from .signal import (
-    SIGNALS,
+    SIGNAL_FORMS,
     AnySignal,
     Signal,
     Smooth,
@@ -50,13 +50,13 @@ if TYPE_CHECKING:
 
 else:
     Parts = Annotated[
-        tuple[Signal, ...], Members(SIGNALS), Takes("a list of signals", _signals, Any)
+        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals, Any)
     ]
     OptionalParts = Parts | None
 
 
 class _Composed(Smooth):
-    """What follows from the parts."""
+    """The base of signals that are composed of parts."""
 
     @property
     def parts(self) -> tuple[Signal, ...]:
@@ -88,12 +88,12 @@ class _Composed(Smooth):
         return samples_of(signal, t, h)
 
 
-@SIGNALS.in_files("sum")
+@SIGNAL_FORMS.in_files("sum")
 @entry(eq=True)
 class Sum(_Composed, Entry):
     """The sum of signals."""
 
-    signals: Annotated[Parts, Key("sum")]
+    signals: Annotated[Parts, NameInFile("sum")]
 
     def validate(self) -> None:
         _refuse(self, "a sum", Input)
@@ -121,12 +121,12 @@ class Sum(_Composed, Entry):
         return sum(once), sum(twice)
 
 
-@SIGNALS.in_files("product")
+@SIGNAL_FORMS.in_files("product")
 @entry(eq=True)
 class Product(_Composed, Entry):
     """The product of signals, as of one and a window, or a number."""
 
-    signals: Annotated[Parts, Key("product")]
+    signals: Annotated[Parts, NameInFile("product")]
 
     def validate(self) -> None:
         _refuse(self, "a product", Input, Impulse)
@@ -144,6 +144,7 @@ class Product(_Composed, Entry):
     def slope(self, t: float) -> float:
         value, rate = 1.0, 0.0
         for part in self.parts:
+            # (u v)' = u v' + u' v, factor by factor.
             factor = part(t)
             value, rate = value * factor, rate * factor + value * slope_of(part, t)
         return rate
@@ -152,19 +153,21 @@ class Product(_Composed, Entry):
         value, rate, acceleration = np.ones(t.shape), np.zeros(t.shape), np.zeros(t.shape)
         for part in self.parts:
             factor, (first, second) = values_of(part, t), derivatives_of(part, t)
+            # (u v)'' = u'' v + 2 u' v' + u v''; in this order, for each line uses the values before
+            # it.
             acceleration = acceleration * factor + 2.0 * rate * first + value * second
             rate = rate * factor + value * first
             value = value * factor
         return rate, acceleration
 
 
-@SIGNALS.in_files("delay")
+@SIGNAL_FORMS.in_files("delay")
 @entry(eq=True)
 class Delayed(_Composed, Entry):
     """A signal that comes later by `delay` [s], or earlier where that is below zero."""
 
     delay: float
-    signal: Annotated[AnySignal, Key("of")]
+    signal: Annotated[AnySignal, NameInFile("of")]
 
     def validate(self) -> None:
         _refuse(self, "a delay", Input, Impulse)
@@ -194,12 +197,14 @@ class Delayed(_Composed, Entry):
 def slope_of(signal: Signal, t: float) -> float:
     """The derivative of a signal without jumps, at a corner that after it."""
     given: Any = signal
+    # `slope` is defined at corners too, where second derivatives are not.
     return float(given.slope(t) if hasattr(given, "slope") else given.derivatives(t)[0])
 
 
 def has_slope(signal: Signal) -> bool:
     """True for a signal that is continuous, and says how fast it changes."""
     parts = parts_of(signal)
+    # A jump of a factor jumps in a product, even if the others are continuous.
     if jumps_of(signal):
         return False
     if parts:
@@ -211,4 +216,4 @@ def _refuse(signal: Signal, what: str, *kinds: type) -> None:
     for kind in kinds:
         if is_any(signal, kind):
             name = {Input: "an input", Impulse: "an impulse"}[kind]
-            raise ModelError(f"{what} takes no {name.split()[1]}: {name} stands for itself alone")
+            raise ModelError(f"{name} cannot be part of {what}")

@@ -10,12 +10,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import LARGEST, Entry, Key, entry
+from ..schema.entry import LARGEST_NUMBER, Entry, NameInFile, entry
 from ..schema.values import Numbers, SomeNumbers
 from . import pieces
 from .harmonics import harmonic_integrals
 from .pieces import Pieces
-from .signal import SIGNALS, Pointwise, Smooth
+from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
 
 class Piecewise:
@@ -39,7 +39,7 @@ class Piecewise:
         return once(t), twice(t)
 
 
-@SIGNALS.bare_number
+@SIGNAL_FORMS.bare_number
 @entry(eq=True)
 class Constant(Smooth, Pointwise, Entry):
     """A constant value."""
@@ -59,10 +59,10 @@ class Constant(Smooth, Pointwise, Entry):
         return np.zeros(t.shape), np.zeros(t.shape)
 
 
-@SIGNALS.in_files("times")
+@SIGNAL_FORMS.in_files("times")
 @entry(eq=True)
 class Steps(Piecewise, Entry):
-    """values[i] from times[i] on, 0 before the first."""
+    """A staircase: values[i] from times[i] on, 0 before the first."""
 
     times: Numbers
     values: Numbers
@@ -71,6 +71,7 @@ class Steps(Piecewise, Entry):
         _check_table(self.times, self.values)
 
     def __call__(self, t: float) -> float:
+        # side="right": at its own time a step has its new value.
         index = int(np.searchsorted(self.times, t, side="right"))
         return self.values[index - 1] if index else 0.0
 
@@ -83,6 +84,7 @@ class Steps(Piecewise, Entry):
         return pieces.steps(self.times, self.values)
 
     def samples(self, t: Array, h: float) -> Array:
+        # A staircase is a sum of unit steps, whose means over hats have a closed form.
         jumps = np.diff(self.values, prepend=0.0)
         return sum(
             (
@@ -93,10 +95,10 @@ class Steps(Piecewise, Entry):
         )
 
 
-@SIGNALS.in_files("times", flag="linear")
+@SIGNAL_FORMS.in_files("times", flag="linear")
 @entry(eq=True)
 class Table(Piecewise, Pointwise, Entry):
-    """Linear between the points (times, values), constant outside."""
+    """A table: linear between the points (times, values), constant outside."""
 
     times: Numbers
     values: Numbers
@@ -123,7 +125,7 @@ class Table(Piecewise, Pointwise, Entry):
         return float(self.pieces.derivative()(np.array(t)))
 
 
-@SIGNALS.in_files("times", flag="spline")
+@SIGNAL_FORMS.in_files("times", flag="spline")
 @entry(eq=True)
 class Spline(Piecewise, Smooth, Pointwise, Entry):
     """The natural cubic spline through the points (times, values), for measured motions.
@@ -137,6 +139,7 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
     _spline: Any = field(init=False, repr=False, compare=False)
 
     def validate(self) -> None:
+        # scipy.interpolate takes long to load, and most models have no spline.
         from scipy.interpolate import CubicSpline
 
         _check_table(self.times, self.values)
@@ -147,6 +150,7 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
                 spline = CubicSpline(self.times, self.values, bc_type="natural")
         except (ValueError, np.linalg.LinAlgError) as error:
             raise _too_steep(self.times) from error
+        # Times a few roundings apart make curvatures overflow without an error of scipy's.
         if not np.isfinite(spline.c).all():
             raise _too_steep(self.times)
         object.__setattr__(self, "_spline", spline)
@@ -172,10 +176,10 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
         return self._spline(within, 1), self._spline(within, 2)
 
 
-@SIGNALS.in_files("amplitude")
+@SIGNAL_FORMS.in_files("amplitude")
 @entry(eq=True)
 class Harmonic(Smooth, Pointwise, Entry):
-    """offset + amplitude sin(2 pi frequency t + phase), frequency in Hz, phase in rad."""
+    """A sine: offset + amplitude sin(2 pi frequency t + phase); frequency [Hz], phase [rad]."""
 
     amplitude: float
     frequency: float
@@ -202,12 +206,12 @@ class Harmonic(Smooth, Pointwise, Entry):
         )
 
 
-@SIGNALS.in_files("polynomial")
+@SIGNAL_FORMS.in_files("polynomial")
 @entry(eq=True)
 class Polynomial(Piecewise, Smooth, Pointwise, Entry):
-    """c_0 + c_1 t + c_2 t^2 + ..."""
+    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ..."""
 
-    coefficients: Annotated[SomeNumbers, Key("polynomial")]
+    coefficients: Annotated[SomeNumbers, NameInFile("polynomial")]
 
     def __call__(self, t: float) -> float:
         return float(self.values_at(np.array(t)))
@@ -222,15 +226,16 @@ class Polynomial(Piecewise, Smooth, Pointwise, Entry):
 
     @cached_property
     def pieces(self) -> Pieces:
+        # One polynomial for all times; `Pieces` needs a knot, and the same on both sides of it.
         return Pieces([0.0], np.array([self.coefficients, self.coefficients]))
 
 
-@SIGNALS.in_files("impulse")
+@SIGNAL_FORMS.in_files("impulse")
 @entry(eq=True)
 class Impulse(Entry):
     """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
 
-    area: Annotated[float, Key("impulse")]
+    area: Annotated[float, NameInFile("impulse")]
     at: float
 
     def validate(self) -> None:
@@ -250,14 +255,14 @@ class Impulse(Entry):
         return np.where(np.round(t / h) == np.round(self.at / h), height, 0.0)
 
 
-@SIGNALS.in_files("pulse")
+@SIGNAL_FORMS.in_files("pulse")
 @entry(eq=True)
 class Pulse(Piecewise, Entry):
-    """A rectangle: `value` from `start` to `end`, 0 elsewhere."""
+    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere."""
 
-    value: Annotated[float, Key("pulse")]
-    start: Annotated[float, Key("from")]
-    end: Annotated[float, Key("to")]
+    value: Annotated[float, NameInFile("pulse")]
+    start: Annotated[float, NameInFile("from")]
+    end: Annotated[float, NameInFile("to")]
 
     def validate(self) -> None:
         if not self.start < self.end:
@@ -280,7 +285,7 @@ class Pulse(Piecewise, Entry):
         return self.value * (_step_samples(self.start, t, h) - _step_samples(self.end, t, h))
 
 
-@SIGNALS.in_files("input")
+@SIGNAL_FORMS.in_files("input")
 @entry(eq=True)
 class Input(Smooth, Pointwise, Entry):
     """A signal whose values a `Simulator` receives step by step, by its name.
@@ -288,7 +293,7 @@ class Input(Smooth, Pointwise, Entry):
     value: at t = 0, and always in `simulate`.
     """
 
-    name: Annotated[str, Key("input")]
+    name: Annotated[str, NameInFile("input")]
     value: float = 0.0
 
     def __call__(self, t: float) -> float:
@@ -321,7 +326,9 @@ class Function(Pointwise, Entry):
     def _called(self, function: Callable[[Any], Any], t: Array) -> Array:
         """The values of a function at times t, of any shape."""
         if not self.vectorized:
+            # Plain floats: a user's function may call `math`.
             return np.array([float(function(time)) for time in t.ravel().tolist()]).reshape(t.shape)
+        # A function that returns one number would be broadcast unnoticed: its shape is checked.
         values = np.asarray(function(t.ravel()), dtype=np.float64)
         if values.shape != (t.size,):
             raise ModelError(
@@ -350,6 +357,7 @@ def _step_samples(at: float, t: Array, h: float) -> Array:
     s = np.clip((t - at) / h, -1.0, 1.0)
     # the integral of the hat from -1 to s
     mean = np.where(s < 0.0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2)
+    # The hat of t = 0 has its right half alone.
     first = t < 0.5 * h
     after = np.clip(1.0 - at / h, 0.0, 1.0)
     return np.where(first, after**2 if at > 0.0 else 1.0, mean)
@@ -365,14 +373,15 @@ def _check_table(times: tuple[float, ...], values: tuple[float, ...]) -> None:
         raise ModelError(f"the times of a signal must increase, got {list(times)}")
     with np.errstate(over="ignore"):
         slopes = np.diff(values) / np.diff(times)
-    if not (np.abs(slopes) <= LARGEST).all():
+    if not (np.abs(slopes) <= LARGEST_NUMBER).all():
         raise _too_steep(times)
 
 
 def _too_steep(times: tuple[float, ...]) -> ModelError:
     """The error of a curve whose slope or curvature is no number, or none that can be used."""
+    # The closest two times are the likeliest cause.
     first = int(np.argmin(np.diff(times)))
     return ModelError(
         "the times of a signal are too close for its values: expected slopes and curvatures up to "
-        f"{LARGEST:g}, got times {times[first]!r} and {times[first + 1]!r}"
+        f"{LARGEST_NUMBER:g}, got times {times[first]!r} and {times[first + 1]!r}"
     )

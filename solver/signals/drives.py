@@ -34,8 +34,8 @@ class DriveKeys(NamedTuple):
         return f"{self.coordinate}_rate"
 
 
-LINEAR = "velocity", "acceleration"
-ANGULAR = "angular_velocity", "angular_acceleration"
+LINEAR_RATES = "velocity", "acceleration"
+ANGULAR_RATES = "angular_velocity", "angular_acceleration"
 
 
 class _Driven(Protocol):
@@ -73,6 +73,7 @@ class IntegratedDrive:
             moved: Array = self._integrals(t)[self.order - 1]
         except ModelError as error:
             raise self.error(str(error)) from error
+        # Integrals are from 0, so that what is left are the values at the start.
         return self.start + self.rate * t + moved
 
     def __call__(self, t: float) -> float:
@@ -83,6 +84,7 @@ class IntegratedDrive:
 
     def derivatives(self, t: float) -> tuple[float, float]:
         if self.order == 1:
+            # Constraints of rates use the signal itself, not differences of its integral.
             return self.signal(t), slope_of(self.signal, t)
         return self.rate + float(self._integrals(np.array([t]))[0][0]), self.signal(t)
 
@@ -109,12 +111,14 @@ def drive_of(owner: _Driven, keys: DriveKeys) -> SmoothSignal | None:
     order = keys.index(key)
     if reason := refusal(signal, order):
         raise owner.error(f"{key}: {reason}")
+    # A velocity determines the rate at the start; an acceleration leaves it open.
     rate = owner.start.get(keys.rate, 0.0) if order == 2 else 0.0
     return IntegratedDrive(signal, order, rate=rate, error=owner.error)
 
 
 def angle_at_rate(angle: SmoothSignal | None, rate: float) -> Mapping[str, Any]:
     """The keys of an angle that turns at a constant rate [rad/s] from where its drive starts."""
+    # All keys of a drive are reset, or the joint would have two.
     steady = {"angle": None, "angular_velocity": None, "angular_acceleration": None}
     if angle is None:
         return {**steady, "angular_velocity": Constant(rate)}

@@ -4,8 +4,9 @@ import numpy as np
 
 from ..arrays import Array
 
-SLOW = 0.3
-"""rad below which x - sin x is summed as a series"""
+# [rad] Here x - sin x loses two digits by cancellation, and the series of six terms has rounding
+# errors alone.
+SERIES_LIMIT = 0.3
 
 
 def harmonic_integrals(t: Array, omega: Array | float, phase: Array | float) -> tuple[Array, Array]:
@@ -24,7 +25,8 @@ def harmonic_integrals(t: Array, omega: Array | float, phase: Array | float) -> 
 
 def _lag(x: Array) -> Array:
     """(x - sin x) / x^2."""
-    near = np.abs(x) < SLOW
+    near = np.abs(x) < SERIES_LIMIT
+    # numpy evaluates both branches: 1 keeps the unused one from dividing by zero.
     far = np.where(near, 1.0, x)
     squared = x * x
     series = 1.0 - squared / 110.0 * (1.0 - squared / 156.0)

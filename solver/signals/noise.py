@@ -6,16 +6,15 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.values import NotNegative, Positive, points
 from .harmonics import harmonic_integrals
 from .profiles import Frequencies
-from .signal import SIGNALS, Pointwise, Smooth
+from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
-MOST = 100_000
-"""lines of a spectrum"""
-BLOCK = 1 << 18
-"""sines that are computed at once"""
+MAX_LINES = 100_000
+# A block of doubles of 2 MB stays in the cache.
+SINES_AT_ONCE = 1 << 18
 
 
 def _seed(value: Any) -> int:
@@ -32,10 +31,10 @@ def _spectrum(value: Any) -> tuple[tuple[float, float], ...]:
     return tuple((f, density) for f, density in pairs.tolist())
 
 
-Seed = Annotated[int, Takes("an integer of at least 0", _seed, int)]
+Seed = Annotated[int, FieldSpec("an integer of at least 0", _seed, int)]
 Spectrum = Annotated[
     tuple[tuple[float, float], ...],
-    Takes(
+    FieldSpec(
         "two or more pairs of a frequency and a density, all positive, of increasing frequencies",
         _spectrum,
         tuple[tuple[float, float], ...],
@@ -76,25 +75,29 @@ class _Noise(Smooth, Pointwise):
         if not first < last:
             raise ModelError(f"noise: band: expected increasing frequencies, got {[first, last]}")
         n = (last - first) * self.period
-        if not 1.0 <= n <= MOST:
+        if not 1.0 <= n <= MAX_LINES:
             raise ModelError(
-                f"noise: expected 1 to {MOST} lines, a period times the width of the band, "
+                f"noise: expected 1 to {MAX_LINES} lines, a period times the width of the band, "
                 f"got {n:.6g}: a period of {self.period:g} s, a band of {last - first:g} Hz"
             )
+        # Lines whose bands overlap the given one; edges are clipped, so that no power is lost or
+        # added.
         lines = np.arange(np.floor(first * self.period + 0.5), np.floor(last * self.period) + 2.0)
         edges = np.clip(np.append(lines - 0.5, lines[-1] + 0.5) / self.period, first, last)
         squares = np.diff(self._cumulative(edges))
+        # Line 0 would be a constant force.
         kept = (squares > 0.0) & (lines > 0.0)
         # the bits of a PCG64 are the same in all versions of numpy, its distributions are not
         bits = np.random.PCG64(self.seed).random_raw(len(lines))[kept]
         phases = 2.0 * np.pi * (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
         omegas = 2.0 * np.pi * lines[kept] / self.period
+        # cos(x) = sin(x + pi / 2): harmonics.py integrates sines.
         sines = Lines(np.sqrt(2.0 * squares[kept]), omegas, phases + 0.5 * np.pi)
         object.__setattr__(self, "lines", sines)
 
     @property
     def highest_frequency(self) -> float:
-        """[Hz]"""
+        """The highest frequency [Hz]."""
         return self._band()[1]
 
     @property
@@ -126,13 +129,14 @@ class _Noise(Smooth, Pointwise):
 
     def _sum(self, t: Array, terms: Any) -> list[Array]:
         """Sums over the lines of functions of a time and a line, at times of any shape."""
-        flat, rows = t.reshape(-1, 1), max(BLOCK // max(len(self.lines.omega), 1), 1)
+        # Times by lines may be a matrix of gigabytes: blocks of rows.
+        flat, rows = t.reshape(-1, 1), max(SINES_AT_ONCE // max(len(self.lines.omega), 1), 1)
         blocks = [flat[k : k + rows] for k in range(0, max(len(flat), 1), rows)]
         sums = [[(self.lines.amplitude * f).sum(axis=1) for f in terms(block)] for block in blocks]
         return [np.concatenate(parts).reshape(t.shape) for parts in zip(*sums, strict=True)]
 
 
-@SIGNALS.in_files("noise")
+@SIGNAL_FORMS.in_files("noise")
 @entry(eq=True)
 class Noise(_Noise, Entry):
     """Noise of a constant power spectral density within a band.
@@ -141,7 +145,7 @@ class Noise(_Noise, Entry):
     repeats itself [s], best longer than the run; seed: another one, another noise of the same kind.
     """
 
-    density: Annotated[NotNegative, Key("noise")]
+    density: Annotated[NotNegative, NameInFile("noise")]
     band: Frequencies
     period: Positive
     seed: Seed = 0
@@ -154,7 +158,7 @@ class Noise(_Noise, Entry):
         return cumulative
 
 
-@SIGNALS.in_files("spectrum")
+@SIGNAL_FORMS.in_files("spectrum")
 @entry(eq=True)
 class ShapedNoise(_Noise, Entry):
     """Noise of a power spectral density given at some frequencies.
@@ -183,6 +187,7 @@ class ShapedNoise(_Noise, Entry):
 def _power(f: Array, corner: Array, slope: Array) -> Array:
     """The integral of (f / corner)^slope from the corner to f."""
     logarithm, n = np.log(f / corner), slope + 1.0
+    # A slope of -1 integrates to a logarithm; next to it expm1 keeps the difference of two powers.
     near = np.abs(n * logarithm) < 1e-12
     safe = np.where(near, 1.0, n)
     power: Array = corner * np.where(near, logarithm, np.expm1(safe * logarithm) / safe)

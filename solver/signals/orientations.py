@@ -16,8 +16,8 @@ from ..arrays import Array
 from ..errors import ModelError
 from .signal import SmoothSignal, values_of
 
-LARGEST = 1.0
-"""of the angles [rad]; the rows are regular up to somewhat more"""
+# [rad] The rows are regular up to somewhat more.
+MAX_ANGLE = 1.0
 
 
 class Jet(NamedTuple):
@@ -47,6 +47,7 @@ def cosine(x: Jet) -> Jet:
 
 def angle_between(y: Jet, x: Jet) -> Jet:
     """atan2(y, x)."""
+    # d atan2(y, x) = (x dy - y dx) / (x^2 + y^2).
     square = x.value**2 + y.value**2
     rate = (x.value * y.rate - y.value * x.rate) / square
     turning = x.value * y.acceleration - y.value * x.acceleration
@@ -83,14 +84,15 @@ class OrientationDrive:
 
     def _turn(self, t: Array, angles: list[Jet]) -> Jet:
         for axis, angle in zip("xyz", angles, strict=True):
-            if (beyond := np.abs(angle.value) > LARGEST).any():
+            if (beyond := np.abs(angle.value) > MAX_ANGLE).any():
                 k = int(np.argmax(beyond))
                 raise ModelError(
-                    f"{self.owner}: angles: expected at most {LARGEST:g} rad, got "
+                    f"{self.owner}: angles: expected at most {MAX_ANGLE:g} rad, got "
                     f"{angle.value[k]:.6g} about {axis} at t = {t[k]:.6g} s; driven joints in a "
                     "row turn farther"
                 )
         roll, pitch, yaw = angles
+        # Row (1, 2): R_21 / R_11 = tan(yaw) at any pitch and roll.
         if self.row == 0:
             return yaw
         s_y, s_z = sine(pitch), sine(yaw)

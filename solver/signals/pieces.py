@@ -27,6 +27,7 @@ class Pieces:
         x = t - self._origins[i]
         columns = self.coefficients.T
         value: Array = columns[-1][i]
+        # Horner's rule, over all times at once.
         for column in columns[-2::-1]:
             value = value * x + column[i]
         return value
@@ -46,6 +47,8 @@ class Pieces:
         gains = np.zeros(len(lengths))
         for column in raised[1:-1].T[::-1]:
             gains = gains * lengths + column
+        # Row 1 begins at the first knot, where the antiderivative is 0; each later piece goes on
+        # from the one before.
         raised[2:, 0] = np.cumsum(gains)
         return Pieces(self.knots, raised)
 
@@ -65,6 +68,7 @@ def lines(times: Sequence[float], values: Sequence[float]) -> Pieces:
 
 def cubics(times: Sequence[float], spline: Array) -> Pieces:
     """A spline of scipy's coefficients (4, m - 1), straight outside."""
+    # scipy has the highest power first.
     middle = spline.T[:, ::-1]
     length = times[-1] - times[-2]
     last = middle[-1]

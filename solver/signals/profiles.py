@@ -10,11 +10,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, Key, Takes, entry
+from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.values import NotNegative, Positive, reals
 from .sampling import samples_of
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
-from .signal import SIGNALS, Pointwise, Smooth
+from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
 
 def _pair(value: Any) -> tuple[float, float]:
@@ -39,10 +39,11 @@ def _positive_pair(value: Any) -> tuple[float, float]:
 
 
 _IN_FILE = tuple[float, float]
-FromTo = Annotated[tuple[float, float], Takes("two numbers, from and to", _pair, _IN_FILE)]
-Span = Annotated[tuple[float, float], Takes("two times, start and end", _span, _IN_FILE)]
+FromTo = Annotated[tuple[float, float], FieldSpec("two numbers, from and to", _pair, _IN_FILE)]
+Span = Annotated[tuple[float, float], FieldSpec("two times, start and end", _span, _IN_FILE)]
 Frequencies = Annotated[
-    tuple[float, float], Takes("two positive frequencies, from and to", _positive_pair, _IN_FILE)
+    tuple[float, float],
+    FieldSpec("two positive frequencies, from and to", _positive_pair, _IN_FILE),
 ]
 
 
@@ -83,7 +84,7 @@ class SmoothProfile(Smooth, Profile):
 
 
 class _Step(SmoothProfile):
-    """From one value to another, over a time."""
+    """A step from one value to another over a time."""
 
     shape: Shape
     values: tuple[float, float]
@@ -96,49 +97,50 @@ class _Step(SmoothProfile):
     def terms(self, t: Array) -> Array:
         (before, after), (start, end) = self.values, self.over
         terms = (after - before) * rise(self.shape, t, start, end - start)
+        # Value and both antiderivatives of the constant; its derivatives are zero.
         terms[0] += before
         terms[3] += before * t
         terms[4] += 0.5 * before * t**2
         return terms
 
 
-@SIGNALS.in_files("smooth_step")
+@SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
 class SmoothStep(_Step, Entry):
-    """From one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
+    """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
 
     Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
     10/sqrt(3) times the change over the duration, and over its square.
     """
 
-    values: Annotated[FromTo, Key("smooth_step")]
+    values: Annotated[FromTo, NameInFile("smooth_step")]
     over: Span
 
     shape = staticmethod(quintic)
 
 
-@SIGNALS.in_files("smooth_step", flag="haversine")
+@SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
 class Haversine(_Step, Entry):
-    """From one value to another over a time, by (1 - cos(pi x)) / 2.
+    """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
     """
 
-    values: Annotated[FromTo, Key("smooth_step")]
+    values: Annotated[FromTo, NameInFile("smooth_step")]
     over: Span
 
     shape = staticmethod(raised_cosine)
 
 
-@SIGNALS.in_files("half_sine")
+@SIGNAL_FORMS.in_files("half_sine")
 @entry(eq=True)
 class HalfSine(Profile, Entry):
     """peak sin(pi (t - start) / duration) from `start` on for `duration`, 0 elsewhere."""
 
-    peak: Annotated[float, Key("half_sine")]
+    peak: Annotated[float, NameInFile("half_sine")]
     duration: Positive
-    start: Annotated[float, Key("from")] = 0.0
+    start: Annotated[float, NameInFile("from")] = 0.0
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -148,16 +150,16 @@ class HalfSine(Profile, Entry):
         return self.peak * rise(half_wave, t, self.start, self.duration)
 
 
-@SIGNALS.in_files("trapezoid")
+@SIGNAL_FORMS.in_files("trapezoid")
 @entry(eq=True)
 class Trapezoid(Profile, Entry):
     """A pulse that rises to `peak` in `rise`, and falls to 0 in the last `fall` of its duration."""
 
-    peak: Annotated[float, Key("trapezoid")]
+    peak: Annotated[float, NameInFile("trapezoid")]
     duration: Positive
     rise: NotNegative
     fall: NotNegative
-    start: Annotated[float, Key("from")] = 0.0
+    start: Annotated[float, NameInFile("from")] = 0.0
 
     def validate(self) -> None:
         _check_flanks("a trapezoid", self.duration, self.rise, self.fall)
@@ -176,14 +178,14 @@ class Trapezoid(Profile, Entry):
         return self.peak * _between(ramp, t, self)
 
 
-@SIGNALS.in_files("sawtooth")
+@SIGNAL_FORMS.in_files("sawtooth")
 @entry(eq=True)
 class Sawtooth(Profile, Entry):
     """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0."""
 
-    peak: Annotated[float, Key("sawtooth")]
+    peak: Annotated[float, NameInFile("sawtooth")]
     duration: Positive
-    start: Annotated[float, Key("from")] = 0.0
+    start: Annotated[float, NameInFile("from")] = 0.0
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -199,7 +201,7 @@ class Sawtooth(Profile, Entry):
         return self.peak * terms
 
 
-@SIGNALS.in_files("window")
+@SIGNAL_FORMS.in_files("window")
 @entry(eq=True)
 class Window(SmoothProfile, Entry):
     """1 over a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
@@ -207,7 +209,7 @@ class Window(SmoothProfile, Entry):
     rise, fall: their durations [s].
     """
 
-    over: Annotated[Span, Key("window")]
+    over: Annotated[Span, NameInFile("window")]
     rise: Positive
     fall: Positive
 
@@ -239,6 +241,7 @@ def _between(shape: Shape, t: Array, pulse: "Trapezoid | Window") -> Array:
 
 
 def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
+    # Sums of decimal fractions, 0.1 + 0.2 for 0.3, exceed by rounding.
     if rise + fall > duration * (1.0 + 1e-12):
         raise ModelError(
             f"{what} must last as long as its rise and fall, got duration = {duration}, "
@@ -260,7 +263,7 @@ class _Chirp(Smooth, Pointwise):
 
     @property
     def highest_frequency(self) -> float:
-        """[Hz]"""
+        """The highest frequency [Hz]."""
         return max(self.frequencies)
 
     def __call__(self, t: float) -> float:
@@ -281,6 +284,7 @@ class _Chirp(Smooth, Pointwise):
         (start, end), (first, last) = self.over, self.frequencies
         within, beyond = np.clip(t, start, end) - start, np.maximum(t - end, 0.0)
         turns, frequency, change = self._sweep(within)
+        # The frequency is constant outside, so that phase and rate stay continuous.
         turns = turns + first * np.minimum(t - start, 0.0) + last * beyond
         inside = (t >= start) & (t < end)
         rates = frequency, np.where(inside, change, 0.0)
@@ -292,7 +296,7 @@ class _Chirp(Smooth, Pointwise):
         raise NotImplementedError
 
 
-@SIGNALS.in_files("chirp")
+@SIGNAL_FORMS.in_files("chirp")
 @entry(eq=True)
 class Chirp(_Chirp, Entry):
     """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
@@ -300,7 +304,7 @@ class Chirp(_Chirp, Entry):
     phase: at the start of that [rad].
     """
 
-    amplitude: Annotated[float, Key("chirp")]
+    amplitude: Annotated[float, NameInFile("chirp")]
     frequencies: Frequencies
     over: Span
     phase: float = 0.0
@@ -311,7 +315,7 @@ class Chirp(_Chirp, Entry):
         return (first + 0.5 * change * x) * x, first + change * x, np.full(x.shape, change)
 
 
-@SIGNALS.in_files("chirp", flag="logarithmic")
+@SIGNAL_FORMS.in_files("chirp", flag="logarithmic")
 @entry(eq=True)
 class LogarithmicChirp(_Chirp, Entry):
     """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
@@ -319,7 +323,7 @@ class LogarithmicChirp(_Chirp, Entry):
     phase: at the start of that [rad].
     """
 
-    amplitude: Annotated[float, Key("chirp")]
+    amplitude: Annotated[float, NameInFile("chirp")]
     frequencies: Frequencies
     over: Span
     phase: float = 0.0
@@ -328,5 +332,6 @@ class LogarithmicChirp(_Chirp, Entry):
         (start, end), (first, last) = self.over, self.frequencies
         rate = np.log(last / first) / (end - start)
         frequency = first * np.exp(rate * x)
+        # expm1: at slow rates the difference of two exponentials would cancel.
         turns = first * np.expm1(rate * x) / rate if rate != 0.0 else first * x
         return turns, frequency, rate * frequency

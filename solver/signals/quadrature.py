@@ -2,8 +2,8 @@
 
 Signals that have `antiderivatives`, and compositions of such, are integrated in closed form.
 Others, as products, are series of Legendre polynomials between their breaks, on panels that are
-halved until the series has converged to `TOLERANCE` of the largest value so far. Panels begin at
-t = 0 and do not depend on the times that are asked for.
+halved until the series has converged to `SERIES_TOLERANCE` of the largest value so far. Panels
+begin at t = 0 and do not depend on the times that are asked for.
 """
 
 from typing import Any
@@ -15,22 +15,26 @@ from ..arrays import Array, distinct
 from ..errors import ModelError
 from .signal import Signal, breaks_of, parts_of, values_of
 
-TOLERANCE = 1e-14
-"""of the last coefficients of a panel, relative to the largest value so far"""
-ROUNDING = 1e-8
-"""the same, below which coefficients that no halving makes smaller are rounding errors"""
-ORDER = 20
-"""points of a panel"""
-TAIL = 4
-"""coefficients that must have vanished"""
-LONGEST = 1.0
-"""of a panel [s]"""
-DEEPEST = 40
-"""times that a panel is halved, where the signal jumps without saying so"""
-MOST = 100_000
-"""panels between two breaks"""
-_POINTS, _WEIGHTS = legendre.leggauss(ORDER)
-_TO_SERIES = legendre.legvander(_POINTS, ORDER - 1).T * _WEIGHTS * (np.arange(ORDER) + 0.5)[:, None]
+# of the last coefficients of a panel, relative to the largest value so far
+SERIES_TOLERANCE = 1e-14
+# The same, below which a tail that halving does not make smaller consists of rounding errors of the
+# signal.
+ROUNDED_TAIL = 1e-8
+PANEL_POINTS = 20
+# Several must have vanished: single coefficients of odd or even functions are zero.
+TAIL_COEFFICIENTS = 4
+# [s] a fixed grid, so that integrals do not depend on the times that are asked for
+MAX_PANEL = 1.0
+# A signal that jumps without naming its breaks would be halved for ever: 2^-40 s is below any step.
+MAX_HALVINGS = 40
+# between two breaks: a signal that needs more is not resolved by any step
+MAX_PANELS = 100_000
+_POINTS, _WEIGHTS = legendre.leggauss(PANEL_POINTS)
+_TO_SERIES = (
+    legendre.legvander(_POINTS, PANEL_POINTS - 1).T
+    * _WEIGHTS
+    * (np.arange(PANEL_POINTS) + 0.5)[:, None]
+)
 """from values at the points to coefficients"""
 
 
@@ -45,6 +49,7 @@ class Integrals:
     def __init__(self, signal: Signal) -> None:
         self._antiderivatives: Any = getattr(signal, "antiderivatives", None)
         if not is_closed(signal):
+            # Products and functions of users have no closed integral.
             self._antiderivatives = _Panels(signal)
         first, second = self._antiderivatives(np.zeros(1))
         self._first, self._second = float(first[0]), float(second[0])
@@ -69,11 +74,13 @@ class _Panels:
         """both integrals at the starts of panels"""
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
+        # Panels are made in order and kept: values do not depend on how a run asks for them.
         while self._ends[-1] <= t.max(initial=0.0):
             self._extend()
         ends, gathered = np.array(self._ends), np.array(self._gathered)
         i = np.searchsorted(ends, t, side="right") - 1
         length = ends[i + 1] - ends[i]
+        # Legendre polynomials live on [-1, 1].
         x = 2.0 * (t - ends[i]) / length - 1.0
         series = np.array(self._series)[i].T
         once = 0.5 * length * legendre.legval(x, legendre.legint(series, lbnd=-1), tensor=False)
@@ -85,11 +92,11 @@ class _Panels:
     def _extend(self) -> None:
         """Panels up to the next break, or the next multiple of the longest."""
         start = self._ends[-1]
-        end = (np.floor(start / LONGEST) + 1.0) * LONGEST
+        end = (np.floor(start / MAX_PANEL) + 1.0) * MAX_PANEL
         k = int(np.searchsorted(self._breaks, start, side="right"))
         if k < len(self._breaks):
             end = min(end, float(self._breaks[k]))
-        self._divide(start, float(end), 0, np.inf, len(self._series) + MOST)
+        self._divide(start, float(end), 0, np.inf, len(self._series) + MAX_PANELS)
 
     def _divide(self, start: float, end: float, depth: int, before: float, most: int) -> None:
         """Panels from start to end; before: the last coefficients of the whole that they are of."""
@@ -99,10 +106,12 @@ class _Panels:
             raise ModelError(f"this signal cannot be integrated about t = {middle:.6g} s")
         series: Array = _TO_SERIES @ values
         self._largest = max(self._largest, float(np.abs(values).max()))
-        tail = float(np.abs(series[-TAIL:]).max())
-        rounded = 0.1 * before < tail <= ROUNDING * self._largest
-        converged = tail <= TOLERANCE * self._largest or rounded
-        if not converged and depth < DEEPEST and start < middle < end:
+        tail = float(np.abs(series[-TAIL_COEFFICIENTS:]).max())
+        # Halving a panel of a smooth signal makes its tail much smaller; one that stays is noise.
+        rounded = 0.1 * before < tail <= ROUNDED_TAIL * self._largest
+        converged = tail <= SERIES_TOLERANCE * self._largest or rounded
+        # start < middle < end ends the halving of panels of a few roundings.
+        if not converged and depth < MAX_HALVINGS and start < middle < end:
             self._divide(start, middle, depth + 1, tail, most)
             self._divide(middle, end, depth + 1, tail, most)
             return

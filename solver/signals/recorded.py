@@ -10,14 +10,14 @@ from ...inputs import Shown
 from ...superelement import sha256
 from ..arrays import Array
 from ..errors import ModelError
-from ..schema.entry import Entry, Takes, entry
+from ..schema.entry import Entry, FieldSpec, entry
 from ..schema.paths import FilePath
 from ..schema.tables import declared
 from ..schema.values import Positive
 from .columns import column_of, number_of_column
 from .curves import Piecewise, Spline, Table
 from .pieces import Pieces
-from .signal import SIGNALS, Pointwise, Smooth
+from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
 
 def _column(value: Any) -> str | int:
@@ -30,7 +30,7 @@ def _column(value: Any) -> str | int:
 
 _COLUMN = Annotated[Any, Shown(lambda: {"type": ["string", "integer"]})]
 Column = Annotated[
-    str | int, Takes("the name of a column, or its number, from 1 on", _column, _COLUMN)
+    str | int, FieldSpec("the name of a column, or its number, from 1 on", _column, _COLUMN)
 ]
 
 
@@ -47,6 +47,7 @@ class _Recorded(Piecewise, Pointwise):
     def validate(self) -> None:
         if number_of_column(self.file, self.time) == number_of_column(self.file, self.column):
             raise ModelError(f"file: {self.file}: time and column are both {self.column!r}")
+        # Read when the entry is made: errors of the file come before a run, with their line.
         times = column_of(self.file, self.time, increasing=True)
         if len(times) < 2:
             raise ModelError(f"file: {self.file}: expected two or more rows, found {len(times)}")
@@ -87,7 +88,7 @@ class _Recorded(Piecewise, Pointwise):
         return self.curve.values_at(t)
 
 
-@SIGNALS.in_files("file")
+@SIGNAL_FORMS.in_files("file")
 @entry(eq=True)
 class Recorded(_Recorded, Entry):
     """A column of a text file over its time, linear between the rows, constant outside.
@@ -115,7 +116,7 @@ class Recorded(_Recorded, Entry):
         return self.curve.slope(t)
 
 
-@SIGNALS.in_files("file", flag="spline")
+@SIGNAL_FORMS.in_files("file", flag="spline")
 @entry(eq=True)
 class RecordedSpline(Smooth, _Recorded, Entry):
     """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""

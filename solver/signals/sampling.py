@@ -13,10 +13,11 @@ from .signal import Signal, breaks_of, corners_of, values_of
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """of Gauss' rule in each piece of half a hat, between the breaks of the signal"""
-NEAR = 8.0
-"""steps about a corner within which samples are means"""
-FAR = 1000.0
-"""steps between two corners from which on values have the same area, to 1e-6"""
+# Steps about a corner within which samples are means. Farther away the mean over a hat differs from
+# the value by curvature alone.
+CORNER_STEPS = 8.0
+# Between corners that are further apart sums of values have the area to 1e-6.
+LONG_SPAN_STEPS = 1000.0
 
 
 def samples_of(signal: Signal, t: Array, h: float) -> Array:
@@ -31,9 +32,10 @@ def samples_of(signal: Signal, t: Array, h: float) -> Array:
 def _are_near(corners: tuple[float, ...], t: Array, h: float) -> NDArray[np.bool_]:
     """True for the steps near a corner, or between two that are not far from one another (n,)."""
     ends = np.sort(np.array(corners, dtype=np.float64))
-    first = np.searchsorted(ends, t - NEAR * h)
-    after = np.searchsorted(ends, t + NEAR * h, side="right")
-    is_short = np.append(np.diff(ends) < FAR * h, False)
+    first = np.searchsorted(ends, t - CORNER_STEPS * h)
+    after = np.searchsorted(ends, t + CORNER_STEPS * h, side="right")
+    # Between near corners, as of a short pulse, sums of values would miss some of the area.
+    is_short = np.append(np.diff(ends) < LONG_SPAN_STEPS * h, False)
     before = np.searchsorted(ends, t, side="right") - 1
     between = (before >= 0) & is_short[before] if len(ends) else np.zeros(len(t), dtype=bool)
     near: NDArray[np.bool_] = (after > first) | between
@@ -42,12 +44,14 @@ def _are_near(corners: tuple[float, ...], t: Array, h: float) -> NDArray[np.bool
 
 def means(signal: Signal, t: Array, h: float) -> Array:
     """Means over the hats about the steps t (n,), that of t = 0 without its left half."""
+    # Each hat is two straight halves: a polynomial rule is exact within, not across the peak.
     starts = np.stack([np.maximum(t - h, 0.0), t], axis=1).ravel()
     ends = np.stack([t, t + h], axis=1).ravel()
     a, b, half = _pieces(starts, ends, np.sort(np.array(breaks_of(signal), dtype=np.float64)))
     at = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * NODES
     hat = np.maximum(1.0 - np.abs(at - t[half // 2][:, None]) / h, 0.0)
     areas = 0.5 * (b - a) * (values_of(signal, at) * hat * WEIGHTS).sum(axis=1)
+    # Pieces are sorted by halves of hats: those of step n begin with half 2 n.
     first = np.searchsorted(half, 2 * np.arange(len(t)))
     total: Array = np.add.reduceat(areas, first) if len(t) else areas
     return total / np.where(t < 0.5 * h, 0.5 * h, h)
@@ -59,6 +63,7 @@ def _pieces(starts: Array, ends: Array, breaks: Array) -> tuple[Array, Array, In
     inner = np.maximum(np.searchsorted(breaks, ends, side="left") - first, 0)
     number = as_index(np.repeat(np.arange(len(starts)), inner + 1))
     place = np.arange(len(number)) - np.repeat(np.cumsum(inner + 1) - inner - 1, inner + 1)
+    # One more entry, which is never chosen, keeps indices of the last intervals valid.
     padded = np.append(breaks, np.inf)
     cut = np.minimum(first[number] + place, len(breaks))
     before = np.maximum(cut - 1, 0)

@@ -41,6 +41,7 @@ def raised_cosine(x: Array) -> Terms:
     """s = (1 - cos(pi x)) / 2."""
     sine, cosine = np.sin(np.pi * x), np.cos(np.pi * x)
     return Terms(
+        # (1 - cos(pi x)) / 2 without cancellation.
         np.sin(0.5 * np.pi * x) ** 2,
         0.5 * np.pi * sine,
         0.5 * np.pi**2 * cosine,
@@ -51,6 +52,7 @@ def raised_cosine(x: Array) -> Terms:
 
 def half_wave(x: Array) -> Terms:
     """s = sin(pi x), which ends at 0."""
+    # sin(pi) is 1e-16: after the pulse the load is exactly zero.
     sine = np.where(x < 1.0, np.sin(np.pi * x), 0.0)
     return Terms(
         sine,
@@ -72,6 +74,7 @@ def rise(shape: Shape, t: Array, start: float, duration: float) -> Array:
     inside = (t >= start) & (t < start + duration)
     value, rate, acceleration, once, twice = shape(x)
     last = shape(np.ones(1))
+    # After the end the value stays, so that its antiderivatives go on as a line and a parabola.
     end, area, moment = (float(term[0]) for term in (last.value, last.once, last.twice))
     scale = 1.0 / duration if lasts else 0.0
     return np.stack(

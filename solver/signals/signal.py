@@ -13,7 +13,7 @@ from typing import Annotated, Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..arrays import Array
-from ..schema.entry import Takes
+from ..schema.entry import FieldSpec
 from ..schema.forms import Family
 
 
@@ -34,7 +34,7 @@ class SmoothSignal(Signal, Protocol):
         """The first and second derivative at time t."""
 
 
-SIGNALS = Family("signal")
+SIGNAL_FORMS = Family("signal")
 
 
 class Pointwise:
@@ -67,6 +67,7 @@ def values_of(signal: Signal, t: Array) -> Array:
     if hasattr(signal, "values_at"):
         values: Array = signal.values_at(t)
         return values
+    # Signals of users need the protocol alone: one time after the other.
     return np.array([signal(time) for time in t.ravel().tolist()]).reshape(t.shape)
 
 
@@ -92,6 +93,7 @@ def is_any(signal: Signal, kind: type) -> bool:
 
 def is_smooth(signal: Any) -> bool:
     """True for a `SmoothSignal` whose parts are smooth too."""
+    # A class has these methods too: `Harmonic` in place of `Harmonic(...)` is a common slip.
     instance = isinstance(signal, SmoothSignal) and not isinstance(signal, type)
     return instance and all(map(is_smooth, parts_of(signal)))
 
@@ -131,11 +133,13 @@ def is_signal(value: Any) -> bool:
     return isinstance(value, Signal) and not isinstance(value, type)
 
 
-AnySignal = Annotated[Signal, SIGNALS, Takes("a signal such as Constant", _that(is_signal), Any)]
+AnySignal = Annotated[
+    Signal, SIGNAL_FORMS, FieldSpec("a signal such as Constant", _that(is_signal), Any)
+]
 DrivingSignal = Annotated[
     SmoothSignal,
-    SIGNALS,
-    Takes(
+    SIGNAL_FORMS,
+    FieldSpec(
         "a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of "
         "such parts)",
         _that(is_smooth),

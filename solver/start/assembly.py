@@ -31,11 +31,11 @@ LARGEST_TURN = 0.2
 LARGEST_CORRECTION = 0.7
 """rad by which a body turns in an iteration"""
 MAX_ITERATIONS = 100
-EXACT = 1e-14
-"""residual, relative to positions or in rad, of assembled joints"""
-EPS = float(np.finfo(float).eps)
-ASSEMBLED = 1e-10
-"""the residual that is accepted where no iteration improves it"""
+# residual, relative to positions or in rad: some roundings of coordinates
+ASSEMBLY_TOLERANCE = 1e-14
+DOUBLE_EPSILON = float(np.finfo(float).eps)
+# accepted where no iteration improves it: redundant rows and long chains round more than a joint
+ACCEPTED_OPENING = 1e-10
 
 
 class Target(NamedTuple):
@@ -51,12 +51,13 @@ def assemble_joints(
     """Move the bodies until constraints and targets hold; ModelError if a joint stays open."""
     numbers, goal = _split(targets)
     start = _coordinates(lowered, state, work)[numbers]
-    driven, drawn = work.drives.value.copy(), lowered.drive_starts
-    largest = max(np.abs(goal - start).max(initial=0.0), np.abs(driven - drawn).max(initial=0.0))
+    driven, placed = work.drives.value.copy(), lowered.drive_starts
+    largest = max(np.abs(goal - start).max(initial=0.0), np.abs(driven - placed).max(initial=0.0))
+    # Newton's method closes joints near where they are: a far target would reach another branch.
     stages = max(1, int(np.ceil(largest / LARGEST_TURN)))
     for stage in range(1, stages + 1):
         part = stage / stages
-        work.drives.value[:] = driven if stage == stages else drawn + part * (driven - drawn)
+        work.drives.value[:] = driven if stage == stages else placed + part * (driven - placed)
         _close(lowered, state, work, targets, start + part * (goal - start))
 
 
@@ -72,6 +73,7 @@ def fit_velocities(
     B = _jacobian(lowered, state, work, targets)
     _, goal = _split(targets)
     rates = B @ state.bodies.v.ravel() + np.concatenate([phi_t, -goal])
+    # Least in kinetic energy: as if impulses of the joints had made it.
     change = -_least_change(system, state, B, rates)
     left = rates + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(rates).max())):
@@ -84,6 +86,7 @@ def fit_velocities(
 def drive_rates(lowered: LoweredModel, work: Workspace) -> Array:
     """The part of the drives in the rates at the start, d phi / d s ds/dt (n_rows,)."""
     added = np.zeros(len(work.couplings.phi))
+    # A row of an attitude follows three drives, which add up.
     np.add.at(added, lowered.system.couplings.driven, work.drives.slope * work.drives.rate)
     return added
 
@@ -95,13 +98,14 @@ def _close(
     scale = _scale(lowered, state, targets)
     for _ in range(MAX_ITERATIONS):
         residuals = _residuals(lowered, state, work, targets, goal)
-        if (np.abs(residuals) <= EXACT * scale).all():
+        if (np.abs(residuals) <= ASSEMBLY_TOLERANCE * scale).all():
             return
         change = _approach(lowered, state, work, targets, residuals)
-        if np.abs(change).max() < 0.1 * EXACT * _reach(system, state):
+        # A change below rounding goes on for ever without the residuals becoming smaller.
+        if np.abs(change).max() < 0.1 * ASSEMBLY_TOLERANCE * _reach(system, state):
             break
     left = np.abs(_residuals(lowered, state, work, targets, goal))
-    if (left > ASSEMBLED * scale).any():
+    if (left > ACCEPTED_OPENING * scale).any():
         worst = int(np.argmax(left / scale))
         owner = _owner(lowered, worst, targets)
         raise ModelError(f"{owner}: stays open by {left[worst]:.6g} however the bodies are placed")
@@ -123,6 +127,7 @@ def _approach(
     """
     B = _jacobian(lowered, state, work, targets)
     change = -_least_change(lowered.system, state, B, residuals).reshape(-1, 6)
+    # Beyond this angle the linearized joint may turn the body farther away from its goal.
     change *= LARGEST_CORRECTION / max(LARGEST_CORRECTION, float(np.abs(change[:, 3:]).max()))
     move_bodies(change, state, work)
     return change
@@ -155,6 +160,7 @@ def _residuals(
 def follow_turns(system: System, work: Workspace) -> None:
     """Constraints on angles are near where they are; angles of force laws, where they start."""
     hard = constraint_rows(system)
+    # Angles come from atan2: `near` chooses the full turn, here that of the last iteration.
     work.couplings.near[hard] = work.couplings.coordinate[hard]
     work.terms.near[:] = work.terms.coordinate
 
@@ -165,6 +171,7 @@ def move_bodies(change: Array, state: State, work: Workspace) -> None:
     for b, step in enumerate(change):
         state.bodies.x[b] += step[:3]
         tangent_inverse(work.bodies.psi[b], T)
+        # psi is a rotation vector from the start: a rotation of the body changes it by the tangent.
         work.bodies.psi[b] += T @ step[3:]
     set_rotations(state, work)
 
@@ -203,8 +210,10 @@ def _least_change(system: System, state: State, B: Matrix, c: Array) -> Array:
     A, scale = unit_rows(B @ L)
     solve = factorize_square(A)
     if solve is None:
-        rounded = EPS * _reach(system, state) * float(scale.max() * abs(L).max())
+        rounded = DOUBLE_EPSILON * _reach(system, state) * float(scale.max() * abs(L).max())
         owners = owners_of_columns(system, A)
+        # Levers that are rounded by their distance from the origin make dependent rows look
+        # independent.
         y = least_solution(A, scale * c, owners, max(1e-11, 10.0 * rounded))
     else:
         y = A.T @ solve(scale * c)

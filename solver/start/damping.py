@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Index
 from ..checkpoint.carried import Snapshot, carried
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from ..step.system import System
 from .frequencies import Vibrations, null_space, spring_slopes, unknowns_of, vibrations
@@ -23,14 +23,14 @@ from .initial import InitialState
 
 Complex = NDArray[np.complex128]
 
-SHOWN = 6
-QUICK = 600
-"""Unknowns up to which a run tells of its damping."""
-ITERATIONS = 20
+MAX_DAMPED_MOTIONS = 6
+# A run reports its damping up to here, where that takes a fraction of a second.
+MAX_QUICK_UNKNOWNS = 600
+MAX_POLE_ITERATIONS = 20
 CONVERGED, ROUNDED = 1e-13, 1e-6
 """Changes, relative to s, that end the iteration: at once, and where they no longer shrink."""
-NOTHING = 1e-12
-"""A ratio that is rounding."""
+# Undamped poles have real parts of rounding.
+NEGLIGIBLE_RATIO = 1e-12
 
 
 class DampedMotion(NamedTuple):
@@ -45,14 +45,18 @@ def damping_in_words(motions: Sequence[DampedMotion]) -> str:
 
 
 def damping_of(initial: InitialState) -> str:
-    """Of a run, in words, as long as it takes no time; "" where nothing damps. The state stays."""
+    """The damping of a model in words; "" without damping, or where that would take long.
+
+    The state stays as it is.
+    """
     system, state, work = initial.lowered.system, initial.state, initial.work
     n = unknowns_of(system)
-    if n is None or n > QUICK or not _is_damped(system):
+    if n is None or n > MAX_QUICK_UNKNOWNS or not _is_damped(system):
         return ""
     live = carried(state=state, work=work)
+    # Springs are evaluated at other deformations here; the run must start as if nobody had asked.
     before = Snapshot.of(0, live)
-    found = vibrations(initial, QUICK)
+    found = vibrations(initial, MAX_QUICK_UNKNOWNS)
     motions = [] if found is None else damped_motions(initial, found)
     before.put_back(live)
     return damping_in_words(motions)
@@ -68,13 +72,13 @@ def damped_motions(initial: InitialState, found: Vibrations) -> list[DampedMotio
     if not _is_damped(initial.lowered.system):
         return []
     problem = _Problem(initial, found)
-    poles = [problem.solve(j) for j in range(min(SHOWN, len(problem.omega)))]
+    poles = [problem.solve(j) for j in range(min(MAX_DAMPED_MOTIONS, len(problem.omega)))]
     motions = [
         DampedMotion(s.imag / (2.0 * np.pi), -s.real / abs(s))
         for s in poles
         if s is not None and s.imag > 0.0
     ]
-    return motions if any(abs(motion.ratio) > NOTHING for motion in motions) else []
+    return motions if any(abs(motion.ratio) > NEGLIGIBLE_RATIO for motion in motions) else []
 
 
 def _is_damped(system: System) -> bool:
@@ -88,7 +92,8 @@ def _relaxing(system: System) -> Array:
     """Row, stiffness and relaxation time (n, 3) of each Maxwell element of force laws."""
     laws, found = system.couplings.laws, [np.zeros((0, 3))]
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
-        if LAWS[laws.number[m]] is MaxwellLaw:
+        if LAW_KINDS[laws.number[m]] is MaxwellLaw:
+            # Parameters of a Maxwell law: all times, then all stiffnesses.
             tau, kappa = np.split(laws.parameters[laws.first[m] : laws.first[m + 1]], 2)
             found.append(np.column_stack([np.full(len(tau), i), kappa, tau]))
     return np.concatenate(found)
@@ -141,15 +146,19 @@ class _Problem:
 
     def solve(self, j: int) -> complex | None:
         """s of the damped vibration that is nearest to undamped vibration j; None where none is."""
+        # The undamped vibration is the start: damping moves its pole by about its ratio.
         s, shape = 1j * complex(self.omega[j]), self._shapes[:, j]
         v, previous = shape.astype(np.complex128), np.inf
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_POLE_ITERATIONS):
             x = self._solution(s, v)
             if x is None:
                 return s
+            # Newton's method changes s by shape . v / shape . x, and v is scaled so that shape . v
+            # = 1.
             along = complex(shape @ x)
             change, v = 1.0 / along, x / along
             s -= change
+            # Quadratic convergence ends at rounding, where changes stay about equal.
             settled = ROUNDED * abs(s) >= previous <= abs(change)
             if abs(change) <= CONVERGED * abs(s) or settled:
                 return s
@@ -164,6 +173,8 @@ class _Problem:
             return None
         right = D_slope * v + self._B.T @ (Z_slope @ (self._B @ v))
         weighed = self._B / D
+        # In rows of constraints the equation is B x = 0, in those of laws f = Z B x: one matrix for
+        # both.
         acting = Z + np.diag(self._hard)
         W = acting @ (weighed @ self._B.T) + np.diag(~self._hard)
         try:
@@ -204,6 +215,7 @@ class _Problem:
             m = own.stop - own.start
             tau = self._step / chains.lost[chains.element[i] : chains.element[i + 1]]
             first = chains.spring[i]
+            # Stored by element, then by mode, as the time loop reads them.
             a = chains.amplitude[first : first + len(tau) * m].reshape(len(tau), m).T
             x = 1.0 + s * tau
             c[own] += a @ (s * tau / x)

@@ -22,10 +22,11 @@ from ..arrays import Array, Index, distinct
 from ..step.system import System
 from .matrices import Matrix, dense_of, factorize_square, unit_rows
 
-INVOLVED = 1e-6
-"""the share of a row in a dependence above which it counts"""
-PREFERENCE = 1e-3
-"""by how much of its share a later row is rather left out"""
+# Rounding gives null vectors small entries at rows that take no part.
+MIN_SHARE_IN_DEPENDENCE = 1e-6
+# Shares of equal rows differ by rounding. This is more, so that what is left out does not depend on
+# the machine.
+LATER_ROW_PREFERENCE = 1e-3
 
 
 def owners_of_columns(system: System, J: Matrix) -> Index:
@@ -55,13 +56,14 @@ def dependences(J: Matrix, owners: Index, tolerance: float) -> Array:
 
 
 def rows_to_leave_out(null: Array) -> list[int]:
-    """As many rows as there are dependences (n, k), so that the others are independent.
+    """The rows to leave out so that the others are independent, one for each dependence (n, k).
 
     Of equal choices the later ones.
     """
     from scipy.linalg import qr
 
-    later = 1.0 + PREFERENCE * np.arange(len(null)) / len(null)
+    # Pivoting takes the largest row first, which is then left out.
+    later = 1.0 + LATER_ROW_PREFERENCE * np.arange(len(null)) / len(null)
     _, _, pivots = qr(null.T * later, pivoting=True, mode="economic")
     return sorted(pivots[: null.shape[1]].tolist())
 
@@ -124,6 +126,7 @@ class _Elimination:
         heapq.heapify(heap)
         while heap:
             degree, body = heapq.heappop(heap)
+            # heapq cannot change the priority of an entry: stale ones are passed over.
             if degree != self._degree(body):  # known by a later entry, or eliminated
                 continue
             for other in sorted(self._eliminate(body)):
@@ -176,6 +179,7 @@ class _Elimination:
         self.independent.append(merged.turned(turn[:rank], merged.entries))
         left = merged.turned(turn[rank:], sorted(beside))
         if beside and len(left.carried):
+            # What depends already here need not be carried on to the root.
             turn, rank = self._ranked(np.hstack(list(left.entries.values())))
             self.dependent.append(left.turned(turn[rank:], ()))
             left = left.turned(turn[:rank], left.entries)
@@ -185,6 +189,7 @@ class _Elimination:
 
     def _ranked(self, block: Array) -> tuple[Array, int]:
         """An orthogonal matrix, by which a block keeps as many rows as its rank, and the rank."""
+        # Singular values are reliable ranks; blocks are as small as a body's neighborhood.
         left, values, _ = np.linalg.svd(block)
         return left.T, int(np.count_nonzero(values > self.tolerance))
 
@@ -203,7 +208,7 @@ class _Elimination:
 
 
 def _merge(fronts: list[_Front]) -> _Front:
-    """All their rows."""
+    """One front with the rows of all of them."""
     sizes = [len(front.carried) for front in fronts]
     places = distinct(np.concatenate([front.places for front in fronts]))
     carried = np.zeros((sum(sizes), len(places)))

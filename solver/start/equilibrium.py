@@ -23,27 +23,30 @@ from ..step.bodies import largest_coordinate
 from ..step.elimination import factorize
 from ..step.equations import assemble, evaluate, linearize, set_force_scales
 from ..step.force_laws import law_rounding
-from ..step.measure import ROUNDING
+from ..step.measure import SUM_ROUNDING
 from ..step.newton import correct
+from ..step.records.elastic import Elastic
+from ..step.records.laws import Motors
 from ..step.rows import measures_length
-from ..step.second_order import INERTIA, inertia_column
-from ..step.system import Elastic, Motors, State, System, Workspace
+from ..step.second_order import INERTIA_DOFS, inertia_column
+from ..step.system import State, System, Workspace
 from .assembly import drive_rates, follow_turns
 from .servos import Holding
 from .steady import SteadyMotion
 from .unbalanced import causes, free_groups
 
 MAX_ITERATIONS = 400
-TOLERANCE = 1e-12
-"""largest residual, relative to forces and to the size of the model, that counts as equilibrium"""
-ACCEPTED = 1e-9
-"""residual that is accepted where rounding allows no better"""
-STEADY = 1e-8
-"""largest rate of a coordinate, relative to that of the rotation, that counts as none"""
-SAMPLES = 65
-"""times at which drives are sampled for their largest rates"""
-UNLOADED = 1e-3
-"""error of a servo that TOLERANCE of is its rounding"""
+# largest residual, relative to forces and to the size of the model
+EQUILIBRIUM_TOLERANCE = 1e-12
+# where rounding allows no better
+ACCEPTED_RESIDUAL = 1e-9
+# relative to the rates of the whole run: splines and sines vanish but for rounding
+NEGLIGIBLE_RATE = 1e-8
+# times of a run at which the rates of drives are looked at
+DRIVE_SAMPLES = 65
+# error of a servo whose answering force is the scale of forces where nothing loads it:
+# EQUILIBRIUM_TOLERANCE of that is rounding
+SERVO_ERROR_SCALE = 1e-3
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LEAST_SHARE = 1e-3
@@ -54,12 +57,12 @@ MAX_RISE, SMALL_RESIDUAL, REMEMBERED = 4.0, 1e-3, 8
 """by how much the residual may rise above the largest of those remembered, unless it is small"""
 MAX_CAUTION = 8.0
 """steps with a rising residual that are remembered: from six on the inertia does not fall"""
-PATIENCE = 5
-"""steps without progress after which rounding is asked for"""
+# steps without progress after which the residual may be taken for rounding
+IDLE_STEPS = 5
 LARGEST_WAY = 1.0
 """by which a body may move or turn in a step, relative to the size of the model"""
-LARGEST = 1e200
-"""inertia of a step that no longer moves anything"""
+# of a step that no longer moves anything; the next power would overflow
+MAX_INERTIA = 1e200
 DETOUR, MAX_DETOURS = 1.3, 10
 """by how much the inertia grows where it meets a centrifugal stiffness, and how often"""
 
@@ -82,19 +85,21 @@ def _negligible(lowered: LoweredModel) -> Array:
     Relative to those of the whole run: a spline, or a sine with a phase, is zero but for rounding.
     """
     T = lowered.model.settings.t_end
-    times = np.linspace(0.0, T, SAMPLES).tolist()
+    times = np.linspace(0.0, T, DRIVE_SAMPLES).tolist()
     limits = np.zeros((len(lowered.drives), 2))
     for d, drive in enumerate(lowered.drives):
         motion = np.abs([(drive(t), *drive.derivatives(t)) for t in times]).max(axis=0)
-        limits[d] = STEADY * (motion[1:] + motion[:-1] / T)
+        limits[d] = NEGLIGIBLE_RATE * (motion[1:] + motion[:-1] / T)
     return limits
 
 
 def _negligible_references(lowered: LoweredModel) -> Array:
     """Rates of the references of motors that count as none (n_motors,), as those of drives."""
-    times = np.linspace(0.0, lowered.model.settings.t_end, SAMPLES)
+    times = np.linspace(0.0, lowered.model.settings.t_end, DRIVE_SAMPLES)
     rates = lowered.motor_signals[2::3]
-    return STEADY * np.array([np.abs(rate.samples(times, lowered.h)).max() for rate in rates])
+    return NEGLIGIBLE_RATE * np.array(
+        [np.abs(rate.samples(times, lowered.h)).max() for rate in rates]
+    )
 
 
 def check_steady(
@@ -118,6 +123,7 @@ def check_steady(
     _follow_references(lowered, driven, work)
     resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
     resisting |= np.isin(laws.motor, _servos(laws.motors))
+    # Rows without a law, as of friction, resist nothing at rest.
     inert = (couplings.compliant == 1) & ~resisting
     along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
     terms = couplings.terms
@@ -126,7 +132,8 @@ def check_steady(
     np.add.at(along, terms.row, terms.ratio * by_terms)
     rates = np.where(inert, 0.0, np.abs(along + driven))
     speed = float(np.linalg.norm(Omega))
-    allowed = STEADY * np.where(lengths, speed * lowered.system.bodies.size, speed)
+    allowed = NEGLIGIBLE_RATE * np.where(lengths, speed * lowered.system.bodies.size, speed)
+    # Rows without a drive have the number -1, and so the zero at the end.
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
     allowed[laws.motors.row] += _negligible_references(lowered)
     if not (rates > allowed).any():
@@ -200,6 +207,8 @@ class _Search:
 
     def find(self) -> str:
         """The equilibrium in which motors with an integral are at their references."""
+        # Motors with integrals have no stiffness of their own at rest: stiff springs stand for
+        # them, whose forces go over into the integrals.
         exact, self.system = self.system, self.holding.stiffened(self.system)
         for _ in range(MAX_ITERATIONS):
             self._evaluate()
@@ -220,16 +229,20 @@ class _Search:
         are relative to forces, which are large where bodies are thrown about. Steps much shorter
         than a first one grow, however slowly the residual falls.
         """
+        # beta: the inertia of an implicit step, 1 over its length in the flow; it falls as the
+        # residual does, until steps are Newton's.
         beta, residual, size = self._first_inertia(), self._residual(), self.system.bodies.size
         best, nearest, recent = residual, self.saved(), [residual]
         caution, idle, singular = 0.0, 0, 0
         for _ in range(MAX_ITERATIONS):
-            if residual <= TOLERANCE:
+            if residual <= EQUILIBRIUM_TOLERANCE:
                 return ""
-            if idle > PATIENCE and (best <= ACCEPTED or self._is_rounding()):
+            if idle > IDLE_STEPS and (best <= ACCEPTED_RESIDUAL or self._is_rounding()):
                 self.restore(nearest)
                 return ""
             saved, balls = self.saved(), self._balls()
+            # Centrifugal stiffness is negative: some inertia makes the matrix singular, another
+            # does not.
             if not self._step(beta):
                 singular, beta = singular + 1, DETOUR * beta
                 if singular > MAX_DETOURS:
@@ -238,14 +251,17 @@ class _Search:
             previous, residual = residual, self._residual()
             astray = self.way > LARGEST_WAY * size or self._has_passed(balls)
             if astray or not residual < MAX_RISE * max(*recent, SMALL_RESIDUAL):
+                # The step is taken back and repeated with ten times the inertia.
                 self.restore(saved)
-                residual, beta, idle = previous, min(10.0 * beta, LARGEST), idle + 1
+                residual, beta, idle = previous, min(10.0 * beta, MAX_INERTIA), idle + 1
                 continue
             rises = residual > previous
             caution = min(caution + 1.0, MAX_CAUTION) if rises else max(caution - 0.25, 0.0)
             change = residual / previous
             if not rises:
+                # Steps much shorter than a first one grow, however slowly the residual falls.
                 change = min(change, self.way / (FIRST_STEP * size))
+            # Rising residuals of late bound how fast the inertia may fall.
             beta *= np.clip(change, min(1.0, 0.1 * 1.5**caution), 2.0)
             self._continue_angles()
             idle = 0 if residual < 0.5 * best else idle + 1
@@ -276,7 +292,7 @@ class _Search:
         rounding alone. A body that turns about its center, and that nothing holds, has no others.
         """
         system, (rounding, _) = self.system, self._law_rounding()
-        forces, _ = _largest_forces(system, self.work, (rounding / ACCEPTED, 0.0))
+        forces, _ = _largest_forces(system, self.work, (rounding / ACCEPTED_RESIDUAL, 0.0))
         loads = forces / float(system.bodies.mass.sum()) if forces > NO_FORCE else 0.0
         spin = np.zeros(3) if self.motion is None else self.motion.angular_velocity
         least = LEAST_SHARE * (loads + float(spin @ spin) * system.bodies.size)
@@ -299,6 +315,7 @@ class _Search:
         if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
             return False
         self.way = correct(system, state, work)
+        # Each step begins a new increment: psi counts from here.
         work.bodies.quaternion_n[:] = state.bodies.quaternion
         work.bodies.psi[:] = 0.0
         self._evaluate()
@@ -316,6 +333,8 @@ class _Search:
         for group in self.free:
             force = self.work.bodies.residual[group, :3].sum(axis=0)
             weight = self.system.bodies.mass[group].sum() * self.motion.acceleration
+            # The centrifugal stiffness is that of the group's mass; along the axis it is zero,
+            # hence pinv.
             self.state.bodies.x[group] -= np.linalg.pinv(weight) @ force
         self._evaluate()
 
@@ -339,8 +358,14 @@ class _Search:
         """
         force, moment = self._law_rounding()
         size, reach = self.system.bodies.size, largest_coordinate(self.system.bodies, self.state)
-        floors = (force + moment / size) / TOLERANCE, (moment + force * size) / TOLERANCE
-        return self._residual(floors, ROUNDING * reach / TOLERANCE) <= TOLERANCE
+        floors = (
+            (force + moment / size) / EQUILIBRIUM_TOLERANCE,
+            (moment + force * size) / EQUILIBRIUM_TOLERANCE,
+        )
+        return (
+            self._residual(floors, SUM_ROUNDING * reach / EQUILIBRIUM_TOLERANCE)
+            <= EQUILIBRIUM_TOLERANCE
+        )
 
     def _law_rounding(self) -> tuple[float, float]:
         """The largest force and moment of a law by the rounding of positions."""
@@ -374,6 +399,7 @@ def _at_rest(lowered: LoweredModel) -> System:
     G_active, _ = active_flexibility(
         lowered.responses.compliances, elastic.active, elastic.active_range, elastic.dof, 1.0
     )
+    # Without inertia and damping the step's equations are those of statics: no code of its own.
     scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0, beta_prime=0.0)
     # what is gyroscopic belongs to rates of q
     none = np.zeros_like(elastic.second.gyroscopic)
@@ -384,7 +410,8 @@ def _at_rest(lowered: LoweredModel) -> System:
 
 
 def _stiffened(system: System, beta: float) -> System:
-    """With the inertia of an implicit step of the gradient flow: beta J on dq."""
+    """The system with the inertia of an implicit step of the gradient flow: beta J on dq."""
+    # The flow has no time: any h will do that keeps the matrix well scaled.
     return system.replace(scheme=system.scheme.replace(beta_prime=beta, h=0.01))
 
 
@@ -407,6 +434,7 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
         start, stride = system.pattern.body_block[b]
         n = int(system.pattern.size[system.pattern.body[b]])
         block = as_strided(work.matrix.S[start:], (n, 6), (stride * itemsize, itemsize))
+        # Rows of equilibrium are scaled by h^2, as in the time step.
         block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
         block[3:6, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
         e = int(system.elastic.of_body[b])
@@ -418,10 +446,12 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
     """G_0 d(p, s, f_q) / d omega of the active dofs of a body with terms of second order (n, 3)."""
     r, n = int(elastic.second.r[e]), int(np.diff(elastic.active_range)[e])
     slopes = np.zeros((n, 3))
-    by_omega = np.array([inertia_column(j, tuple(omega)) for j in range(INERTIA)])
-    slopes[n - r - INERTIA : n - r] = by_omega
+    by_omega = np.array([inertia_column(j, tuple(omega)) for j in range(INERTIA_DOFS)])
+    slopes[n - r - INERTIA_DOFS : n - r] = by_omega
     last = int(elastic.second.row[e + 1])
-    slopes[n - r :] = work.second.slope[last - INERTIA * r : last].reshape(INERTIA, r).T @ by_omega
+    slopes[n - r :] = (
+        work.second.slope[last - INERTIA_DOFS * r : last].reshape(INERTIA_DOFS, r).T @ by_omega
+    )
     first = int(elastic.G_active_start[e])
     by_loads: Array = elastic.G_active[first : first + n * n].reshape(n, n) @ slopes
     return by_loads
@@ -441,6 +471,7 @@ def _relative_residuals(
     dofs (n_a,). least: a force [N] and a moment [N m] below which none counts as the largest.
     opening: a length [m] that lengths of constraints are relative to where the size is less.
     """
+    # A body that spins about its center is loaded within: its net force is a difference of these.
     within, size = _centrifugal_scales(system, state, work), system.bodies.size
     forces, moments = _largest_forces(system, work, least)
     # the length of a spring that carries nothing is right to rounding alone: laws are measured
@@ -460,7 +491,7 @@ def _largest_forces(
 ) -> tuple[float, float]:
     """The largest sums of forces and of moments on a body; moments at least of small levers.
 
-    And those by which servos would answer to `UNLOADED`, where nothing loads them.
+    And those by which servos would answer to `SERVO_ERROR_SCALE`, where nothing loads them.
     """
     lengths, answers = _answers(system, work)
     forces = max(
@@ -471,15 +502,16 @@ def _largest_forces(
 
 
 def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
-    """Of each motor, if its coordinate is a length, and the force by which it answers to an error
-    of `UNLOADED` of the size of the model, of 1 rad, or of the rate.
+    """For each motor, whether its coordinate is a length, and its force under a small error.
+
+    The error is `SERVO_ERROR_SCALE` of the size of the model, of 1 rad, or of the rate.
     """
     motors, rows = system.couplings.laws.motors, system.couplings.rows.kind
     lengths = np.array([measures_length(kind) for kind in rows[motors.row].tolist()], dtype=bool)
     reach = np.where(lengths, system.bodies.size, 1.0)
     reach = np.maximum(reach, np.abs(work.couplings.coordinate[motors.row]))
     rate = np.abs(work.couplings.rate[motors.row])
-    answers: Array = UNLOADED * (motors.stiffness * reach + motors.damping * rate)
+    answers: Array = SERVO_ERROR_SCALE * (motors.stiffness * reach + motors.damping * rate)
     return lengths, answers
 
 
@@ -508,10 +540,11 @@ def _failure(lowered: LoweredModel, reason: str, state: State, work: Workspace) 
             bodies[b], dofs[elastic.active_range[e] : elastic.active_range[e + 1]].max(initial=0.0)
         )
     worst = f"body {lowered.body_names[int(np.argmax(bodies))]!r}"
+    # A joint that stays open says more than the bodies that it pulls.
     if rows.max(initial=0.0) > bodies.max():
         worst = lowered.owner_of(int(np.argmax(rows)))
     return ModelError(
-        f"start = 'equilibrium': none found, {reason}; farthest from it is {worst}. "
+        f"start = 'equilibrium': none found, {reason}; the largest residual is that of {worst}. "
         f"In the last state: {causes(lowered, state, work)}"
     )
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..laws.law import LAWS
+from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
 from ..step.equations import linearize
 from ..step.system import State, System, Workspace
@@ -23,10 +23,10 @@ from .initial import InitialState, modes_of
 from .jacobian import constraint_rows, coupling_jacobian
 from .matrices import dense_of
 
-LARGEST = 2000
-"""unknowns up to which frequencies are found, in seconds"""
-NOISE = 100.0
-"""of the rounding of eigenvalues: those below are motions without stiffness"""
+# The dense eigenvalue problem takes seconds there, and grows with the cube.
+MAX_FREQUENCY_UNKNOWNS = 2000
+# times the rounding of eigenvalues: those below are motions without stiffness
+EIGENVALUE_NOISE = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,18 +56,23 @@ def unknowns_of(system: System) -> int | None:
     return 6 * len(system.bodies.mass) + len(modes.stiffness)
 
 
-def vibrations(initial: InitialState, largest: int = LARGEST) -> Vibrations | None:
-    """None for bodies without modes, and for models of more than `largest` unknowns."""
+def vibrations(initial: InitialState, largest: int = MAX_FREQUENCY_UNKNOWNS) -> Vibrations | None:
+    """The undamped vibrations of a model about its initial state.
+
+    None for bodies without modes, and for models of more than `largest` unknowns.
+    """
     lowered, system = initial.lowered, initial.lowered.system
     stiffness, n = system.elastic.modes.stiffness, unknowns_of(system)
     if n is None or n > largest:
         return None
     B = _jacobian(lowered, initial.state, initial.work)
     K = np.diag(np.concatenate([np.zeros(n - len(stiffness)), stiffness]))
+    # In y a mass of 1 for every unknown: K alone is left of the eigenvalue problem.
     K += B.T @ spring_slopes(system, initial.state, initial.work) @ B
     free = null_space(B[constraint_rows(system)])
     values, vectors = np.linalg.eigh(free.T @ K @ free)
-    rounding = NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
+    # Eigenvalues are rounded relative to the largest of them.
+    rounding = EIGENVALUE_NOISE * n * np.finfo(float).eps * np.abs(values).max(initial=0.0)
     resisted = values > rounding
     return Vibrations(np.sqrt(values[resisted]), free @ vectors[:, resisted], B, len(stiffness))
 
@@ -101,7 +106,8 @@ def spring_slopes(system: System, state: State, work: Workspace, rates: bool = F
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
         memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
-        law = LAWS[laws.number[m]]
+        law = LAW_KINDS[laws.number[m]]
+        # An infinite step: what relaxes has relaxed.
         slopes = law.evaluate(parameters, memory, math.inf, float(deformation[i]), 0.0)
         S[i, i] += slopes[2 if rates else 1]
     motors = laws.motors

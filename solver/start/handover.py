@@ -12,7 +12,7 @@ import numpy as np
 
 from ...results.file import FileSource
 from ..arrays import Array, Index
-from ..checkpoint.file import SUFFIX, StateFile, read_state
+from ..checkpoint.file import STATE_SUFFIX, StateFile, read_state
 from ..checkpoint.identity import digest_of
 from ..checkpoint.layout import layout_of, take_over
 from ..errors import ModelError, StateError
@@ -27,8 +27,8 @@ from .assembly import drive_rates
 from .full_turns import continue_angles
 from .jacobian import row_rates
 
-CLOSED = 1e-6
-"""largest opening of a new joint, relative to the size of the model or in rad, and rate of it"""
+# relative to the size of the model, or in rad; of rates relative to the fastest body
+MAX_NEW_OPENING = 1e-6
 TAKEN_OVER = ("bodies", "interfaces", "modes", "past", "couplings", "terms", "motors", "observers")
 """records of the state; all others begin anew"""
 
@@ -39,10 +39,12 @@ def predecessor(model: Model) -> StateFile | None:
     if not isinstance(start, StartFrom):
         return None
     path = Path(start.path)
-    beside = path.with_name(path.name + SUFFIX)
-    if path.exists() and not beside.exists() and path.suffix != SUFFIX:
+    beside = path.with_name(path.name + STATE_SUFFIX)
+    if path.exists() and not beside.exists() and path.suffix != STATE_SUFFIX:
         raise StateError(f"{beside}: no such file: the run kept no state ([simulation] checkpoint)")
+    # The path may be that of results or of a state alone.
     state = read_state(beside if beside.exists() else path)
+    # Results may have been overwritten after the state was kept.
     if path.exists() and beside.exists() and FileSource(path).run != state.run:
         raise StateError(f"{path}: results of another run than the state beside them")
     return state
@@ -64,6 +66,7 @@ def hand_over(lowered: LoweredModel, source: StateFile, state: State, work: Work
     continue_angles(lowered, state, work)
     _expect_turns(numbers, state, work)
     _evaluate(lowered, state, work)
+    # Again: evaluation has written over displacements and rates of the interfaces.
     take_over("state/interfaces", state.interfaces, kept, numbers)
     state.energies.modal[0] = modal_energy(lowered.system.elastic, state)
     state.energies.convolved[0] = kept["state/energies/convolved"][0]
@@ -77,9 +80,11 @@ def _evaluate(lowered: LoweredModel, state: State, work: Workspace) -> None:
     system, motion, scheme = lowered.system, state.interfaces, lowered.system.scheme
     work.bodies.quaternion_n[:] = state.bodies.quaternion
     change = motion.acceleration / scheme.beta_prime
+    # Newmark's formulas backwards: the prediction from which the step ended where it did.
     work.interfaces.u_predicted[:] = motion.u - change
     work.interfaces.rate_predicted[:] = motion.rate - scheme.gamma_prime * change
     evaluate(system, state, work)
+    # phi of a law is lambda less its force: now lambda is the force.
     state.couplings.lam[:] -= work.couplings.phi * system.couplings.compliant
     state.couplings.lam[system.couplings.laws.motors.row] = work.motors.torque
     evaluate(system, state, work)
@@ -98,8 +103,8 @@ def _check(lowered: LoweredModel, source: StateFile) -> None:
     identity, step = source.identity, source.snapshot.step
     if step >= lowered.n_steps:
         raise ModelError(
-            f"simulation: t_end: time goes on from that of the state, {step * lowered.h:.9g} s; "
-            f"expected more, got {lowered.model.settings.t_end:.9g}"
+            f"simulation: t_end: expected more than the time of the state, "
+            f"{step * lowered.h:.9g} s, got {lowered.model.settings.t_end:.9g}"
         )
     for name, value in lowered.system.scheme.leaves():
         if identity.system.get(f"scheme/{name}") != digest_of(value):
@@ -109,6 +114,7 @@ def _check(lowered: LoweredModel, source: StateFile) -> None:
     _check_bodies(lowered, source)
     first, lags = int(source.snapshot.arrays["state/past/first"][0]), identity.kernels.values()
     span = power_above(max((kernel[1] for kernel in lags), default=0))
+    # Blocks of the convolution are powers of two: the state keeps loads as far as its own reach.
     own = power_above(int(lowered.system.elastic.kernels.lags.max(initial=0)))
     if first and own != span:
         raise StateError("simulation: memory: the state has dropped loads that are older")
@@ -121,7 +127,9 @@ def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
         if name in lowered.model.bodies and was != now:
             raise StateError(f"body {name!r}: was {_kind(was)}, is {_kind(now)}")
         if not now and name in identity.kernels:
-            raise StateError(f"body {name!r}: is no longer there, and what it stored is not known")
+            raise StateError(
+                f"body {name!r}: is not in this model, so that its stored energy is unknown"
+            )
     for name in flexible.keys() & identity.layout.n_e.keys():
         digest = digest_of(flexible[name].superelement)
         if identity.model[f"bodies.{name}.superelement"] != digest:
@@ -155,10 +163,11 @@ def _check_closed(
     for i in np.flatnonzero(couplings.compliant == 0).tolist():
         length = size if lowered.measures_lengths[i] else 1.0
         unit = "m" if lowered.measures_lengths[i] else "rad"
-        phi, limit = float(work.couplings.phi[i]), CLOSED * v
+        phi, limit = float(work.couplings.phi[i]), MAX_NEW_OPENING * v
         if i in known:
+            # What was open before, by rounding, may stay so: only what is new counts.
             phi, limit = phi - opening[known[i]], max(limit, lowered.h * v_dot)
-        if abs(phi) > CLOSED * length:
+        if abs(phi) > MAX_NEW_OPENING * length:
             raise StateError(
                 f"{lowered.owner_of(i)}: is open by {abs(phi):.6g} {unit} where the state begins"
             )
@@ -166,5 +175,5 @@ def _check_closed(
         if not same and abs(rates[i]) > length / size * limit:
             raise StateError(
                 f"{lowered.owner_of(i)}: opens at {abs(rates[i]):.6g} {unit}/s where the state "
-                "begins: to close it takes an impulse"
+                "begins: closing it would need an impulse"
             )

@@ -33,6 +33,7 @@ def geometric_scale(system: System) -> Matrix:
     bodies, frames = system.bodies, system.frames
     length = np.sqrt(np.trace(bodies.J_rot, axis1=1, axis2=2) / bodies.mass)
     moving = frames.body >= 0
+    # Several frames of a body compete; plain indexing would keep the last.
     np.maximum.at(length, frames.body[moving], np.linalg.norm(frames.X[moving], axis=1))
     return _of_bodies(system, np.ones(len(length)), np.eye(3) / length[:, None, None])
 
@@ -61,6 +62,7 @@ def accelerance_root(lowered: LoweredModel) -> Matrix:
         _accelerances(lowered), lengths, lowered.superelements, strict=False
     ):
         values, vectors = np.linalg.eigh(element.mass * length[:, None] * accelerance * length)
+        # Interfaces that move as one have zero eigenvalues, whose rounding may be negative.
         values[values < NO_MOTION * values.max(initial=0.0)] = 0.0
         roots.append(vectors * np.sqrt(values))
     return block_diagonal(roots, is_small(lowered.system))

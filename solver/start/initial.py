@@ -100,6 +100,7 @@ def initialize(
         return _go_on(lowered, source)
     in_equilibrium = model.settings.start == "equilibrium"
     if in_equilibrium:
+        # Before anything is compiled: a wrong model should fail at once.
         check_drives(lowered)
     state, work = _allocated(lowered)
     error = _assembly_error(lowered, state, work)
@@ -108,6 +109,7 @@ def initialize(
     without = redundant_rows(lowered, state, work)
     removed = RemovedRows(lowered, sorted(without))
     if without:
+        # Numbers of rows have changed: all arrays are made anew, and joints closed again.
         lowered = lower(model, without)
         state, work = _allocated(lowered)
         assemble_joints(lowered, state, work, _targets(lowered, ""))
@@ -119,11 +121,13 @@ def initialize(
         solve_equilibrium(lowered, motion, state, work)
         check_holding(lowered, state)
         turn_joints(lowered, state, work)
+        # Only now the pose is known in which rates must vanish.
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
     else:
         evaluate(lowered.system, state, work)
         check_depths(lowered, work)
+        # Velocities after positions: the Jacobian is that of closed joints.
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
         closed = (*penetrations(lowered, state, work), *lost_velocities(lowered, state))
@@ -263,7 +267,9 @@ def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tupl
         )
         schur = B_r @ inverse @ B_r.T + B_a @ A_el @ B_a.T
         scale = 1.0 / np.sqrt(np.maximum(schur.diagonal(), 1e-300))
+        # Rows in N and N m differ by many digits: scaled, the complement has a unit diagonal.
         lam[hard] = -scale * solve(scale[:, None] * schur * scale, scale * gap)
+    # Of the saddle-point system the Schur complement is small: it has as many rows as constraints.
     v_dot = free + inverse @ (B_r.T @ lam[hard])
     return v_dot.reshape(-1, 6), lam
 
@@ -271,6 +277,7 @@ def _accelerations(lowered: LoweredModel, state: State, work: Workspace) -> tupl
 def _start_history(lowered: LoweredModel, state: State) -> None:
     """The loads at t = 0 accelerate the modes at once, but not in eq. (55)."""
     elastic, scheme = lowered.system.elastic, lowered.system.scheme
+    # Equation (55) weighs the load at t = 0 by half: there nothing acts at once.
     if scheme.weight != 1.0:
         return
     state.past.p_start[:] = state.interfaces.p
@@ -303,6 +310,8 @@ def _start_loaded(lowered: LoweredModel, state: State, work: Workspace) -> None:
             start, n_c = elastic.G_0_start[e], len(p)
             G_0 = elastic.G_0[start : start + n_c * n_c].reshape(n_c, n_c)
             state.past.p_rest[dofs] = p
+            # The past of a static load is one number per dof: its whole history without the present
+            # step.
             state.past.u_rest[dofs] = state.interfaces.u[dofs] - G_0 @ p
     add_curvatures(elastic, state, work)
 

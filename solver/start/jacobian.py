@@ -3,7 +3,8 @@
 import numpy as np
 
 from ..arrays import Array, Index
-from ..step.system import Couplings, State, System, Workspace
+from ..step.records.couplings import Couplings
+from ..step.system import State, System, Workspace
 from .matrices import Matrix, from_entries, is_small
 
 
@@ -54,6 +55,7 @@ def jacobian(system: System, frame_a: Index, frame_b: Index, B: Array, state: St
     for first, f in ((0, frame_a), (12, frame_b)):
         body, active = frames.body[f], frames.active[f]
         values = B[:, first : first + 12].copy()
+        # Rows have delta X in body axes; assembly and velocities use delta x in space.
         values[:, :3] = np.einsum("ij,ikj->ik", values[:, :3], state.bodies.R[body])
         column = np.hstack([6 * body[:, None] + np.arange(6), n_q + active[:, None] + np.arange(6)])
         rotates = (active >= 0) & (frames.rotations[f] == 1)

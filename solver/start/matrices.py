@@ -13,14 +13,14 @@ from ..step.system import System
 
 Matrix: TypeAlias = Any
 """an array (n, m), or scipy's csr_array"""
-SMALL = 240
-"""unknowns up to which matrices are dense"""
-CLEAR = 1e-10
-"""pivots above which rows are independent; rounding leaves those of dependent rows far below"""
+# Below, dense matrices cost less than loading scipy.
+MAX_DENSE_UNKNOWNS = 240
+# Rounding leaves pivots of dependent rows far below, some 1e-16; pivots are squares of distances.
+MIN_CLEAR_PIVOT = 1e-10
 
 
 def is_small(system: System) -> bool:
-    return 6 * len(system.bodies.mass) + len(system.elastic.active) <= SMALL
+    return 6 * len(system.bodies.mass) + len(system.elastic.active) <= MAX_DENSE_UNKNOWNS
 
 
 def from_entries(
@@ -104,13 +104,14 @@ def factorize_square(J: Matrix) -> Callable[[Array], Array] | None:
             pivots = np.diagonal(np.linalg.cholesky(square)) ** 2
         except np.linalg.LinAlgError:
             return None
-        return (lambda b: np.linalg.solve(square, b)) if pivots.min() > CLEAR else None
+        return (lambda b: np.linalg.solve(square, b)) if pivots.min() > MIN_CLEAR_PIVOT else None
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
     try:
+        # Symmetric and definite: pivots on the diagonal, ordered by a minimum degree of A^T + A.
         factors = splu((J @ J.T).tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     except RuntimeError:  # exactly singular
         return None
     solver: Callable[[Array], Array] = factors.solve
-    return solver if float(factors.U.diagonal().min()) > CLEAR else None
+    return solver if float(factors.U.diagonal().min()) > MIN_CLEAR_PIVOT else None

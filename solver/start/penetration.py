@@ -8,10 +8,10 @@ from ..lower.lower import LoweredModel
 from ..step.contacts import penetration_of
 from ..step.system import State, Workspace
 
-NOTICEABLE = 1e-9
-"""penetration over the size of the model, or angle, that is not of rounding"""
-BALANCED = 0.1
-"""force on a body over that of its contact, up to which the other forces hold the contact closed"""
+# over the size of the model, or in rad: more than rounding
+NOTICEABLE_PENETRATION = 1e-9
+# net force on a body over that of its contact: below, other forces hold the contact closed
+MAX_IMBALANCE = 0.1
 
 
 def check_depths(lowered: LoweredModel, work: Workspace) -> None:
@@ -45,7 +45,7 @@ def _closed(lowered: LoweredModel, work: Workspace) -> list[tuple[int, float]]:
         row = couplings.range[j]
         length = bool(lowered.measures_lengths[row])
         depth, _ = penetration_of(couplings, row, float(work.couplings.coordinate[row]))
-        if depth > NOTICEABLE * (size if length else 1.0):
+        if depth > NOTICEABLE_PENETRATION * (size if length else 1.0):
             found.append((j, depth))
     return found
 
@@ -61,9 +61,11 @@ def _is_held(lowered: LoweredModel, j: int, state: State) -> bool:
         b = int(system.frames.body[f])
         if b < 0:
             continue
-        reach = max(float(np.linalg.norm(system.frames.X[f])), NOTICEABLE * system.bodies.size)
+        reach = max(
+            float(np.linalg.norm(system.frames.X[f])), NOTICEABLE_PENETRATION * system.bodies.size
+        )
         linear, angular = np.linalg.norm(state.bodies.v_dot[b].reshape(2, 3), axis=1)
         by_contact = force / float(system.bodies.mass[b])
-        if linear + reach * angular > max(fall, BALANCED * by_contact):
+        if linear + reach * angular > max(fall, MAX_IMBALANCE * by_contact):
             return False
     return True

@@ -6,7 +6,7 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
-from .dependence import INVOLVED, dependences, owners_of_columns, rows_to_leave_out
+from .dependence import MIN_SHARE_IN_DEPENDENCE, dependences, owners_of_columns, rows_to_leave_out
 from .inertia import accelerance_root, geometric_scale
 from .jacobian import constraint_jacobian, constraint_rows
 from .matrices import Matrix, beside, factorize_square, unit_rows
@@ -31,42 +31,46 @@ def redundant_rows(lowered: LoweredModel, state: State, work: Workspace) -> froz
     one another in a singular pose alone: they are needed as soon as the mechanism leaves it.
     """
     hard = constraint_rows(lowered.system)
+    # With elastic interfaces: two hinges on a flexible door depend on one another only if it were
+    # rigid.
     J = _jacobian(lowered, state, work)
     if _clearly_independent(J):
         return frozenset()
     null = _dependences(lowered, J)
     if not null.shape[1]:
         return frozenset()
-    involved = hard[np.abs(null).max(axis=1) > INVOLVED].tolist()
+    involved = hard[np.abs(null).max(axis=1) > MIN_SHARE_IN_DEPENDENCE].tolist()
     removable = hard[rows_to_leave_out(null)].tolist()
     dependent = describe_rows(lowered, involved)
     rigid = _rigid_jacobian(lowered, state, work)
     here = len(hard) - len(removable)
     for _ in poses_nearby(lowered, state, work, rigid):
+        # Beside a singular pose the rank is full: to leave out a row would free a motion for ever.
         if _rank(lowered, _jacobian(lowered, state, work)) > here:
             raise ModelError(
-                f"joints: the start is a singular pose: {dependent} depend on one another there, "
-                "but not beside it, so that the motion from there is not determined; start the "
-                "mechanism in another pose, as by `start` of a joint"
+                f"joints: the start is a singular pose: {dependent} are dependent constraints "
+                "there, but independent in nearby poses, so that the motion is not determined; "
+                "start the mechanism in another pose, for instance by `start` of a joint"
             )
     if driven := [i for i in involved if lowered.system.couplings.drive[i] >= 0]:
         raise ModelError(
             f"joints: {describe_rows(lowered, driven)} is driven against other constraints: "
-            f"on one another depend {dependent}; take away the drive or free a joint"
+            f"dependent constraints: {dependent}; remove the drive or free a joint"
         )
     if coupled := [i for i in removable if _has_terms(lowered, i)]:
         owners = " and ".join(dict.fromkeys(lowered.owner_of(i) for i in coupled))
         raise ModelError(
-            f"{owners}: depends on other constraints and cannot be left out: on one another "
-            f"depend {dependent}; take it away or free a joint"
+            f"{owners}: depends on other constraints and cannot be left out: dependent "
+            f"constraints: {dependent}; remove it or free a joint"
         )
     if lowered.model.settings.redundant == "error":
         are = "is" if len(removable) == 1 else "are"
         raise ModelError(
             f"joints: {len(hard)} constraints of which {len(removable)} {are} redundant; "
-            f"on one another depend {dependent}; free a joint, or let redundant = 'remove' drop "
-            f"{describe_rows(lowered, removable)}"
+            f"dependent constraints: {dependent}; free a joint, or set redundant = 'remove' to "
+            f"drop {describe_rows(lowered, removable)}"
         )
+    # Any choice gives the same motion of rigid bodies; forces of those left out are zero.
     return frozenset(removable)
 
 

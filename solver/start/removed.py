@@ -10,8 +10,8 @@ from ..step.rows import evaluate_row
 from ..step.system import Workspace
 from .redundancy import describe_rows
 
-CLOSED = 1e-6
-"""largest opening of a constraint that was left out: relative to the size of the model, or rad"""
+# relative to the size of the model, or rad
+MAX_REMOVED_OPENING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class RemovedRows:
         for i in self.rows:
             opening = abs(evaluate_row(rows, i, 0.0, 0.0, work, gradient))
             size = self.lowered.system.bodies.size if lengths[i] else 1.0
-            if opening > CLOSED * size:
+            if opening > MAX_REMOVED_OPENING * size:
                 unit = "m" if lengths[i] else "rad"
                 with about(self.lowered.model.path):
                     raise ModelError(

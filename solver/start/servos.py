@@ -6,15 +6,17 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..lower.lower import LoweredModel
 from ..step.equations import linearize
-from ..step.system import Motors, State, System, Workspace
+from ..step.records.laws import Motors
+from ..step.system import State, System, Workspace
 from .inertia import inverse_root
 from .jacobian import constraint_rows, coupling_jacobian
 from .matrices import dense_of
 
-HOLD = 100.0
-"""stiffness of a motor whose integral is sought, over the forces in the model"""
-HELD = 1e-13
-"""error of such a motor, relative to its coordinate, or in rad, that counts as none"""
+# relative to the forces in the model: as a penalty, so stiff that few rounds are left, not so stiff
+# that it costs digits
+HOLDING_STIFFNESS = 100.0
+# error of such a motor, relative to its coordinate, or in rad
+HOLDING_TOLERANCE = 1e-13
 
 
 class Holding:
@@ -32,8 +34,9 @@ class Holding:
         own = motors.row[self.motors]
         size = system.bodies.size
         self.stiffness = motors.stiffness[self.motors] + motors.integral[self.motors]
+        # A model without moments would hold its angles by nothing.
         moments = max(moments, forces * size)
-        self.stiffness += HOLD * np.where(lengths[own], forces / size, moments)
+        self.stiffness += HOLDING_STIFFNESS * np.where(lengths[own], forces / size, moments)
         self.size = np.where(lengths[own], size, 1.0)
         self.rows = own
 
@@ -55,9 +58,11 @@ class Holding:
     def take_over(self, state: State, work: Workspace) -> bool:
         """Let the integrals take the forces of the springs; True where there was none left."""
         error = work.motors.error[self.motors]
+        # The force of the spring moves over into the integral: the error is then zero at the same
+        # force.
         state.motors.integral[self.motors] += self.stiffness * error
         scale = np.maximum(self.size, np.abs(work.couplings.coordinate[self.rows]))
-        return bool((np.abs(error) <= HELD * scale).all())
+        return bool((np.abs(error) <= HOLDING_TOLERANCE * scale).all())
 
 
 def check_holding(lowered: LoweredModel, state: State) -> None:
@@ -98,6 +103,7 @@ def _mobilities(system: System, state: State, work: Workspace) -> Array:
     C, own = J[constraint_rows(system)], dense_of(J[system.couplings.laws.motors.row])
     if C.shape[0]:
         C = dense_of(C)
+        # The part of the motor's row that constraints leave free; lstsq, for rows may be redundant.
         own = own - np.linalg.lstsq(C.T, own.T, rcond=1e-11)[0].T @ C
     mobilities: Array = np.einsum("ij,ij->i", own, own)
     return mobilities

@@ -17,7 +17,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..model.settings import SteadyRotation
-from ..step.system import Scheme, State
+from ..step.records.scheme import Scheme
+from ..step.system import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +52,7 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
     """
     speed = float(np.linalg.norm(rotation.angular_velocity))
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    # expm1: z - 1 would cancel in slow rotation.
     z, step = np.exp(1j * speed * h), np.expm1(1j * speed * h)
     slope = (1.0 - gamma) + gamma * z
     square = slope + ((0.5 - beta) + beta * z) * step
@@ -67,12 +69,13 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
         center=rotation.center,
         velocity=_turned(v, axis),
         pseudo_acceleration=_turned(a, axis),
+        # The imaginary part is the dissipation along the path.
         acceleration=_turned(v_dot.real, axis),
     )
 
 
 def continuous_motion(rotation: SteadyRotation) -> SteadyMotion:
-    """The same without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
+    """A steady rotation without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
     speed = float(np.linalg.norm(rotation.angular_velocity))
     axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
     return SteadyMotion(

@@ -9,19 +9,19 @@ from ..lower.lower import LoweredModel
 from ..step.system import State, System, Workspace
 from .redundancy import count_degrees_of_freedom
 
-UNBALANCED = 1e-6
-"""net force on bodies that nothing holds, relative to all forces on a body, that moves them"""
-FAR = 1.0
-"""displacement in the search, over the size of the model, of a body that nothing stops"""
-TURNED = 0.5
-"""rotation in the search [rad] of a body that may turn on"""
+# relative to all forces on a body: more than the residual of a search that has ended
+MIN_NET_FORCE = 1e-6
+# in the search, over the size of the model
+FAR_DISPLACEMENT = 1.0
+# [rad] in the search, of a body that may turn on
+LARGE_TURN = 0.5
 
 
 def causes(lowered: LoweredModel, state: State, work: Workspace) -> str:
-    """What the last state of a search shows, as sentences of a message."""
+    """Why a search has found no equilibrium, as sentences of a message."""
     found = next(_causes(lowered, state, work), "")
     return found or (
-        "its loads may be such that nothing balances them, or it is at a buckling load or beyond"
+        "nothing may balance its loads, or they may be at a buckling load or beyond it"
     )
 
 
@@ -31,7 +31,7 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
     scale = float(work.bodies.force_scale[:, 0].max())
     for group in free_groups(lowered.system):
         force = float(np.linalg.norm(work.bodies.residual[group, :3].sum(axis=0)))
-        if force > UNBALANCED * scale:
+        if force > MIN_NET_FORCE * scale:
             yield (
                 f"no joint, spring or contact holds body {names[group[0]]!r}, on which a force of "
                 f"{force:.6g} N is left: it falls freely"
@@ -39,7 +39,7 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
     distance = np.linalg.norm(state.bodies.x - [pose.x for pose in lowered.poses], axis=1)
     farthest = int(np.argmax(distance))
     movable = count_degrees_of_freedom(lowered, state, work) > 0
-    if movable and distance[farthest] > FAR * size:
+    if movable and distance[farthest] > FAR_DISPLACEMENT * size:
         yield (
             f"body {names[farthest]!r} has moved {distance[farthest]:.3g} m from its place in the "
             f"model without coming to rest: its joints leave it free to, and "
@@ -53,13 +53,13 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
         )
     angle = _turned(lowered, state)
     widest = int(np.argmax(angle))
-    if angle[widest] > TURNED and movable:
+    if angle[widest] > LARGE_TURN and movable:
         yield (
             f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad without coming to rest: "
             f"its joints leave it free to turn, and "
             f"{_nothing(lowered, 'spring or motor holds it')}{_without_friction(lowered)}"
         )
-    elif angle[widest] > TURNED:
+    elif angle[widest] > LARGE_TURN:
         yield (
             f"body {names[widest]!r} has turned by {angle[widest]:.3g} rad by elasticity alone, "
             "for its joints leave it no motion: its loads may be beyond a buckling load, or too "

@@ -10,7 +10,8 @@ falls by e in the time 1 / omega_1 of the first elastic frequency of the free bo
 
 from ..compiler.marks import compiled
 from .bodies import spin_of
-from .system import Elastic, State
+from .records.elastic import Elastic
+from .system import State
 from .vectors import dot
 
 

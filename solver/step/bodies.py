@@ -13,7 +13,16 @@ Source: docs/theory.md, The time step.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
-from .measure import ROUNDING, relative
+from .measure import SUM_ROUNDING, relative
+from .newmark import (
+    end_pseudo_acceleration,
+    free_pseudo_acceleration,
+    predicted_change,
+    predicted_rate,
+)
+from .records.bodies import Bodies
+from .records.matrix import Pattern
+from .records.scheme import Scheme
 from .rotations import (
     normalize,
     quaternion_exponential,
@@ -21,9 +30,9 @@ from .rotations import (
     quaternion_product,
     tangent_inverse,
 )
-from .system import Bodies, Pattern, Scheme, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import (
-    UNITS,
+    UNIT_AXES,
     Vector,
     add,
     cross,
@@ -47,22 +56,19 @@ def spin_of(state: State, b: int) -> Vector:
 
 @compiled
 def predict_bodies(scheme: Scheme, state: State, work: Workspace) -> None:
-    """Eqs (66)-(70), where a becomes a* for v_dot = 0; then what v_dot = v_dot_n adds."""
-    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    """Motion at the end of the step for v_dot = 0, where a is a*; then with v_dot = v_dot_n."""
     motion, predicted = state.bodies, work.bodies
     copy(motion.quaternion, predicted.quaternion_n)
     for b in range(len(motion.x)):
         for i in range(6):
             a_n = motion.a[b, i]
-            a = (scheme.alpha_f * motion.v_dot[b, i] - scheme.alpha_m * a_n) / (
-                1.0 - scheme.alpha_m
-            )
-            change = h * motion.v[b, i] + h * h * ((0.5 - beta) * a_n + beta * a)
+            a = free_pseudo_acceleration(scheme, motion.v_dot[b, i], a_n)
+            change = predicted_change(scheme, motion.v[b, i], a_n, a)
             if i < 3:
                 predicted.x_predicted[b, i] = motion.x[b, i] + change
             else:
                 predicted.psi_predicted[b, i - 3] = change
-            predicted.v_predicted[b, i] = motion.v[b, i] + h * ((1.0 - gamma) * a_n + gamma * a)
+            predicted.v_predicted[b, i] = predicted_rate(scheme, motion.v[b, i], a_n, a)
             motion.a[b, i] = a
     accelerate(scheme, state, work)
 
@@ -84,12 +90,11 @@ def accelerate(scheme: Scheme, state: State, work: Workspace) -> None:
 
 @compiled
 def finish_bodies(scheme: Scheme, state: State) -> None:
-    """a_{n+1} = a* + v_dot_{n+1} / inertia_ratio"""
-    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    """Pseudo-accelerations at the end of the step."""
     motion = state.bodies
     for b in range(len(motion.a)):
         for i in range(6):
-            motion.a[b, i] += ratio * motion.v_dot[b, i]
+            motion.a[b, i] = end_pseudo_acceleration(scheme, motion.a[b, i], motion.v_dot[b, i])
 
 
 @compiled
@@ -185,7 +190,7 @@ def add_inertia(system: System, state: State, work: Workspace) -> None:
         for j in range(3):
             S[start + j * (stride + 1)] += h2 * scheme.beta_prime * bodies.mass[b]
             spin = cross(omega, (J[0, j], J[1, j], J[2, j]))
-            turned = cross(momentum_b, UNITS[j])
+            turned = cross(momentum_b, UNIT_AXES[j])
             for i in range(3):
                 gyroscopic = scheme.gamma_prime * (spin[i] - turned[i])
                 D[i, j] = scheme.beta_prime * J[i, j] + gyroscopic
@@ -254,12 +259,13 @@ def relative_body_residual(
     Newton's method is `at_rest`, lest it hide a true residual.
     """
     bodies, terms, tolerance = system.bodies, work.bodies, system.newton.tolerance
-    by_position = ROUNDING * system.scheme.beta_prime if at_rest else 0.0
+    # beta' is of the order 1 / h^2, which makes of rounded positions large rounded forces.
+    by_position = SUM_ROUNDING * system.scheme.beta_prime if at_rest else 0.0
     worst = 0.0
     for b in range(len(bodies.mass)):
         forces, moments = terms.force_scale[b, 0], terms.force_scale[b, 1]
-        force_floor = ROUNDING * forces + by_position * bodies.mass[b] * reach
-        moment_floor = ROUNDING * (moments + reach * forces)
+        force_floor = SUM_ROUNDING * forces + by_position * bodies.mass[b] * reach
+        moment_floor = SUM_ROUNDING * (moments + reach * forces)
         for i in range(3):
             moment_floor += by_position * bodies.J_rot[b, i, i]
         for i in range(3):

@@ -12,11 +12,13 @@ of a body that turns freely all that its angular momentum has changed by.
 
 from ..compiler.marks import compiled
 from .bodies import spin_moment, spin_momentum
-from .system import Bodies, MomentumExtremes, MotionExtremes, State, System, Workspace
+from .records.bodies import Bodies
+from .records.extremes import MomentumExtremes, MotionExtremes
+from .system import State, System, Workspace
 from .vectors import add, dot, rotate, row, scale, subtract
 
-PAIR = 2
-"""steps in a row before the change of a change is known"""
+MIN_STEPS_IN_ROW = 2
+"""steps in a row after which the change of a change is known"""
 
 
 @compiled
@@ -36,7 +38,7 @@ def follow_bodies(system: System, state: State, work: Workspace) -> None:
     """Take a step; where steps are of two sizes, velocities are followed over the long ones."""
     bodies, scheme, motion = system.bodies, system.scheme, state.extremes.motion
     motion.row[0] = motion.row[0] + 1 if scheme.stride == scheme.ratio else 0
-    counts = motion.row[0] >= PAIR
+    counts = motion.row[0] >= MIN_STEPS_IN_ROW
     for b in range(len(bodies.mass)):
         for half in range(2):
             _follow_velocity(motion, b, half, counts, state)

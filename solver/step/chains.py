@@ -8,7 +8,9 @@ omega^2 a (h / tau) ((q + q+) / 2)^2. Source: docs/theory.md, Material damping.
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from .system import Elastic, Scheme, State, Workspace
+from .records.elastic import Elastic
+from .records.scheme import Scheme
+from .system import State, Workspace
 
 
 @compiled
@@ -50,9 +52,9 @@ def stretch_chains(elastic: Elastic, state: State, work: Workspace) -> float:
     for c in range(len(chains.body)):
         e = chains.body[c]
         begin, m = data.range[e], data.range[e + 1] - data.range[e]
-        moved = work.modes.eta_n[begin : begin + m]
+        moved = work.modes.eta_change[begin : begin + m]
         for i in range(m):
-            moved[i] = modes.eta[begin + i] - moved[i]
+            moved[i] = modes.eta[begin + i] - work.modes.eta_n[begin + i]
         for k in range(chains.element[c], chains.element[c + 1]):
             first = chains.spring[c] + (k - chains.element[c]) * m
             amplitude = chains.amplitude[first : first + m]

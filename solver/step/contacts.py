@@ -10,8 +10,9 @@ from ..laws.contact import penetration
 from .force_laws import law_of_row
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .motors import have_motors_switched, note_motors
+from .records.couplings import Couplings
 from .rows import GAP
-from .system import Couplings, State, Workspace
+from .system import State, Workspace
 from .vectors import Vector
 
 

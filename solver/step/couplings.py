@@ -33,7 +33,9 @@ from .friction import (
     set_friction_derivative,
     set_friction_residual,
 )
-from .measure import ROUNDING, relative
+from .measure import SUM_ROUNDING, relative
+from .records.couplings import Couplings
+from .records.frames import Frames
 from .rows import (
     ATTITUDE,
     ROTATION,
@@ -44,7 +46,7 @@ from .rows import (
     measures_length,
     slips,
 )
-from .system import Couplings, Frames, State, System, Workspace
+from .system import State, System, Workspace
 from .terms import (
     add_convective_terms,
     add_tangent_of_pair,
@@ -56,7 +58,7 @@ from .terms import (
     linearize_terms,
     term_scale,
 )
-from .vectors import UNITS, cross, dot, rotate, row, scale, triple
+from .vectors import UNIT_AXES, cross, dot, rotate, row, scale, triple
 
 
 @compiled
@@ -165,7 +167,7 @@ def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> N
         f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
         b = rotate(work.frames.D, g, row(couplings.rows.b, i))
         for m in range(3):
-            work.drives.slope[d + m] = dot(rotate(work.frames.D, f, UNITS[m]), b)
+            work.drives.slope[d + m] = dot(rotate(work.frames.D, f, UNIT_AXES[m]), b)
     else:
         ahead = carried_axis(couplings.rows, i, s + 0.5 * math.pi)
         f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
@@ -370,7 +372,7 @@ def relative_coupling_residual(
                     floor += friction_rounding(couplings, j, i, reach, work)
                 worst = max(worst, relative(out.phi[i], scale, floor, tolerance))
             elif couplings.compliant[i]:
-                floor = ROUNDING * out.scale[i]
+                floor = SUM_ROUNDING * out.scale[i]
                 if at_rest:
                     floor += law_rounding(system, i, couplings.range[j], reach, state, work)
                 worst = max(worst, relative(out.phi[i], out.scale[i], floor, tolerance))
@@ -381,7 +383,7 @@ def relative_coupling_residual(
                     size += abs(out.coordinate[i])
                 moved += length if is_length else angle
                 size += reach if is_length else 1.0
-                worst = max(worst, relative(out.phi[i], moved, ROUNDING * size, tolerance))
+                worst = max(worst, relative(out.phi[i], moved, SUM_ROUNDING * size, tolerance))
     return worst
 
 
@@ -403,7 +405,7 @@ def _forces_beside(system: System, i: int, reach: float, work: Workspace) -> tup
             )
     if reach == 0.0:
         inertia = 0.0
-    return scale, ROUNDING * (scale + system.scheme.beta_prime * inertia)
+    return scale, SUM_ROUNDING * (scale + system.scheme.beta_prime * inertia)
 
 
 @compiled

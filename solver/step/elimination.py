@@ -10,7 +10,7 @@ A_ik U_k^-1.
 
 from ..arrays import Array, Index
 from ..compiler.marks import compiled, entry
-from .system import Pattern
+from .records.matrix import Pattern
 from .vectors import inner
 
 
@@ -45,7 +45,7 @@ def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
         for i in range(p + 1, n):
             if abs(S[start + i * width + p]) > largest:
                 pivot, largest = i, abs(S[start + i * width + p])
-        if not largest > 0.0:
+        if not largest > 0.0:  # also where it is not a number
             return False
         pivots[first + p] = pivot
         row_p = start + p * width
@@ -53,6 +53,7 @@ def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
             other = start + pivot * width
             for j in range(width):
                 S[row_p + j], S[other + j] = S[other + j], S[row_p + j]
+        # Multiplications by the reciprocal are quicker than divisions, here and in `substitute`.
         S[row_p + p] = 1.0 / S[row_p + p]
         for i in range(p + 1, n):
             row = start + i * width

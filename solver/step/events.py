@@ -3,14 +3,16 @@
 from ..compiler.marks import compiled
 from .contacts import penetration_of
 from .gaps import contact_arm
+from .records.contacts import ContactState
+from .records.couplings import Couplings
 from .rows import GAP
-from .system import ContactState, Couplings, State, Workspace
+from .system import State, Workspace
 from .vectors import dot
 
 START, END, STEPS, PEAK, IMPULSE, CLOSING, OPENING, RESTITUTION, DISSIPATED = range(9)
 """columns of an event, those of `Events` in results/motion.py"""
-GRAZE = 0.05
-"""peak over the largest of its contact below which nobody asks for the peak"""
+MIN_PEAK_SHARE = 0.05
+"""peak of an event over the largest peak of its contact below which the event only grazes"""
 
 
 @compiled
@@ -23,6 +25,7 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         return
     before, side = penetration_of(couplings, i, old.coordinate[i])
     after, new_side = penetration_of(couplings, i, out.coordinate[i])
+    # The gap is taken as linear within the step.
     crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
     if closed and not contacts.steps[k]:
         begins = before <= 0.0  # or else it was closed at the start of the run
@@ -69,7 +72,7 @@ def follow_shortest(state: State, k: int) -> None:
     contacts, extremes = state.contacts, state.extremes
     peak, steps = contacts.peak[k], contacts.steps[k]
     extremes.peak[k] = max(extremes.peak[k], peak)
-    least = GRAZE * extremes.peak[k]
+    least = MIN_PEAK_SHARE * extremes.peak[k]
     first = extremes.shortest[k] == 0 or extremes.shortest_peak[k] < least
     if peak >= least and (first or steps < extremes.shortest[k]):
         extremes.shortest[k], extremes.shortest_peak[k] = steps, peak

@@ -1,7 +1,8 @@
 """The largest values of a run, by which its validity is judged (results/validity.py).
 
 They are counted at every step, recorded or not, as squares where that saves a root. A run ends
-where an interface turns or moves out of all range (`FARTHEST_TURN`, `FARTHEST_MOVE`).
+where an interface turns or moves out of all range (`MAX_ELASTIC_ROTATION`,
+`MAX_ELASTIC_DISPLACEMENT`).
 """
 
 import math
@@ -16,14 +17,18 @@ from .couplings import spring_energy
 from .force_laws import remember_laws
 from .observers import start_coordinates
 from .passages import start_places
+from .records.couplings import Couplings
+from .records.elastic import Elastic
+from .records.extremes import ExtremeState
+from .records.frames import Frames
 from .second_order import inertia_taken, start_curvatures
-from .system import Couplings, Elastic, ExtremeState, Frames, State, System, Workspace
+from .system import State, System, Workspace
 from .terms import keep_terms
 from .vectors import dot, triple
 
-FARTHEST_TURN = 0.5 * math.pi
+MAX_ELASTIC_ROTATION = 0.5 * math.pi
 """elastic rotation of an interface where a run ends [rad]"""
-FARTHEST_MOVE = 1.0
+MAX_ELASTIC_DISPLACEMENT = 1.0
 """elastic displacement of an interface over the size of its body where a run ends"""
 
 
@@ -89,11 +94,11 @@ def _follow_frames(frames: Frames, elastic: Elastic, state: State) -> None:
             rotation = dot(turn, turn)
         if displacement > extremes.displacement[f]:
             extremes.displacement[f] = displacement
-            size = FARTHEST_MOVE * elastic.size[elastic.of_body[frames.body[f]]]
+            size = MAX_ELASTIC_DISPLACEMENT * elastic.size[elastic.of_body[frames.body[f]]]
             _leave(extremes, f, displacement > size * size)
         if rotation > extremes.rotation[f]:
             extremes.rotation[f] = rotation
-            _leave(extremes, f, rotation > FARTHEST_TURN * FARTHEST_TURN)
+            _leave(extremes, f, rotation > MAX_ELASTIC_ROTATION * MAX_ELASTIC_ROTATION)
 
 
 @compiled

@@ -2,10 +2,11 @@
 
 from ..compiler.marks import compiled
 from ..laws import evaluate_law, remember_law
-from .measure import ROUNDING
+from .measure import SUM_ROUNDING
 from .motors import motor_law, settle_motors
+from .records.laws import Laws
 from .rows import measures_length
-from .system import Laws, State, System, Workspace
+from .system import State, System, Workspace
 
 
 @compiled
@@ -85,4 +86,4 @@ def law_rounding(
     for j in range(first, min(first + 6, len(kind))):
         steep = abs(laws.stiffness[i, j - first]) + gamma_prime * abs(laws.damping[i, j - first])
         total += steep * (reach if measures_length(kind[j]) else 1.0)
-    return ROUNDING * total
+    return SUM_ROUNDING * total

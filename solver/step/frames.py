@@ -16,10 +16,12 @@ D D_0^T W^T = R.
 from ..arrays import Array, Index
 from ..compiler.marks import compiled
 from .bodies import spin_of
+from .records.frames import Frames
+from .records.matrix import Pattern
 from .rotations import exponential_and_tangent, tangent_derivative, tangent_inverse
-from .system import Frames, Pattern, State, Workspace
+from .system import State, Workspace
 from .vectors import (
-    UNITS,
+    UNIT_AXES,
     Vector,
     add,
     add_to_row,
@@ -161,7 +163,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
         lever, omega = row(work.frames.lever, f), spin_of(state, b)
         tangent_inverse(work.bodies.psi[b], work.frames.T_inverse)
         for j in range(3):
-            e = UNITS[j]
+            e = UNIT_AXES[j]
             d_omega = scale(gamma_prime, multiply(work.frames.T_inverse, e))
             by_rotation = rotate(state.bodies.R, b, add(cross(e, local), cross(d_omega, lever)))
             spin_by_rotation = rotate(state.bodies.R, b, add(cross(e, spin), d_omega))
@@ -175,7 +177,7 @@ def map_frame_velocities(frames: Frames, gamma_prime: float, state: State, work:
         if k >= 0 and frames.rotations[f]:
             _tangent_slope(state, k + 3, triple(state.interfaces.rate, k + 3), work)
             for j in range(3):
-                e = UNITS[j]
+                e = UNIT_AXES[j]
                 change = subtract(
                     scale(gamma_prime, rotate_back(work.frames.T, f, e)),
                     multiply(work.frames.T_slope, e),
@@ -301,7 +303,7 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
         z = frames.column[f]
         small = z >= 0 and frames.rotations[f] == 1
         for j in range(3):
-            e = UNITS[j]
+            e = UNIT_AXES[j]
             dF, dM = cross(F, e), cross(M, e)
             _add_to_column(work.matrix.S, rotation + j, stride, add(cross(lever, dF), dM))
             if z >= 0:
@@ -326,14 +328,14 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
 
 @compiled
 def add_pair_tangent(
-    frames: Frames, pair: Pair, first: Pair, block: Index, work: Workspace
+    frames: Frames, pair: Pair, tangent: Array, first: Pair, block: Index, work: Workspace
 ) -> None:
-    """Add entries of `work.frames.pair_tangent` to a block between the bodies of two frames.
+    """Add entries of a tangent to a block between the bodies of two frames.
 
-    first: row and column of these entries; block (2,): first number and row distance of the block.
+    tangent: derivative of generalized forces by the coordinates of frames; first: row and column of
+    its first entry for this pair; block (2,): place and stride of the block (`Pattern`).
     """
     f, g = pair
-    tangent = work.frames.pair_tangent
     for i in range(width(frames, f)):
         target = block[0] + block[1] * coordinate(frames, f, i)
         for j in range(width(frames, g)):

@@ -21,13 +21,14 @@ import math
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from .measure import ROUNDING
+from .measure import SUM_ROUNDING
+from .records.couplings import Couplings
 from .rows import measures_length, slips
-from .system import Couplings, State, Workspace
+from .system import State, Workspace
 
 STICKS, SLIPS = 1, 2
-GROUPS = 3
-"""of rows in a normal force"""
+MAX_NORMAL_GROUPS = 3
+"""number of groups of rows in a normal force, as solver/couplings/joint.py makes them"""
 
 Bristle = tuple[float, float, float, float, float]
 """normal force, |f*|, mu_h N, mu N and its derivative by |w|"""
@@ -55,7 +56,7 @@ def set_normal_force(
     friction, slope = couplings.friction, work.couplings.normal_slope
     end = friction.first[r]
     total = friction.preload[r]
-    for group in range(GROUPS):
+    for group in range(MAX_NORMAL_GROUPS):
         squares = 0.0
         for i in range(first, end):
             if friction.group[i] == group:
@@ -210,7 +211,7 @@ def friction_rounding(couplings: Couplings, j: int, i: int, reach: float, work: 
     kind = couplings.rows.kind[i]
     length = slips(kind) or measures_length(kind)
     size = reach if length else max(1.0, abs(work.couplings.coordinate[i]))
-    return float(ROUNDING * _steepness(couplings, r, work) * size)
+    return float(SUM_ROUNDING * _steepness(couplings, r, work) * size)
 
 
 @compiled

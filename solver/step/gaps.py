@@ -22,14 +22,17 @@ with dn', dt1' less the parts of w. Source: docs/theory.md, Contact.
 """
 
 import math
+from collections.abc import Sequence
 
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .kinds import delta_of, row_kind
-from .shapes import Curvature, curve, surface_at
-from .system import Couplings, Rows, Workspace
+from .records.couplings import Couplings, Rows
+from .shapes import CYLINDER, HALF_LENGTH, PROFILE, Curvature, curve, surface_at
+from .system import Workspace
 from .vectors import (
-    UNITS,
+    UNIT_AXES,
+    ZERO_VECTOR,
     Vector,
     add,
     cross,
@@ -43,10 +46,24 @@ from .vectors import (
 )
 
 BALL, SIDE, SHAPE = 0, 1, 2
-"""parameters of a row: radius of the ball, 1 or -1 for a ball inside, then those of the shape"""
-SHORTEST = 1e-3
-"""length of the projected axis below which it gives no direction"""
-ZERO = (0.0, 0.0, 0.0)
+"""places of the parameters of a row (`gap_parameters`)"""
+MIN_PROJECTED_AXIS = 1e-3
+"""length of a unit axis, projected on the tangent plane, below which it gives no direction"""
+
+
+def gap_parameters(ball: float, hollow: bool, shape: Sequence[float]) -> list[float]:
+    """The parameters of the rows of a contact.
+
+    ball: radius of the ball, 0 for a point [m]; hollow: the ball is inside of the shape; shape: the
+    parameters of the shape (shapes.py).
+    """
+    return [ball, -1.0 if hollow else 1.0, *shape]
+
+
+@compiled
+def ball_radius(rows: Rows, i: int) -> float:
+    """The radius of the ball of row i [m], 0 for a point."""
+    return rows.parameters[rows.first[i] + BALL]  # type: ignore[no-any-return]
 
 
 @compiled
@@ -101,9 +118,11 @@ def is_blocked(rows: Rows, i: int, work: Workspace) -> bool:
 @compiled
 def has_ends(rows: Rows, i: int) -> bool:
     """Whether the shape is a cylinder of finite length, or a profile that is not closed."""
-    k, end = rows.first[i] + SHAPE + 1, rows.first[i + 1]
-    finite = k + 1 == end and rows.parameters[k] < math.inf
-    return bool(finite or (k + 1 < end and rows.parameters[end - 1] == 0.0))
+    first, end = rows.first[i] + SHAPE, rows.first[i + 1]
+    if rows.shape[i] == CYLINDER:
+        return bool(rows.parameters[first + HALF_LENGTH] < math.inf)
+    # The last parameter of a profile says whether it is closed.
+    return bool(rows.shape[i] == PROFILE and rows.parameters[end - 1] == 0.0)
 
 
 @compiled
@@ -113,6 +132,7 @@ def slip_axis(rows: Rows, i: int, work: Workspace) -> Vector:
     along, across = row(rows.a, i), row(rows.a_turned, i)
     best, least = along, abs(dot(along, n))
     for axis in (across, cross(along, across)):
+        # The margin keeps rounding from choosing between two axes that are equally good.
         if abs(dot(axis, n)) < least - 1e-9:
             best, least = axis, abs(dot(axis, n))
     return best
@@ -168,10 +188,10 @@ class Gap:
 @compiled
 def _motion(j: int) -> tuple[Vector, Vector]:
     """dtheta_A and dDelta of a unit of coordinate j of (r_A, theta_A, r_B)."""
-    e = UNITS[j % 3]
+    e = UNIT_AXES[j % 3]
     if j < 3:
-        return ZERO, scale(-1.0, e)
-    return (e, ZERO) if j < 6 else (ZERO, e)
+        return ZERO_VECTOR, scale(-1.0, e)
+    return (e, ZERO_VECTOR) if j < 6 else (ZERO_VECTOR, e)
 
 
 @compiled
@@ -196,7 +216,7 @@ def _across(n: Vector, axis: Vector) -> tuple[Vector, float]:
     """The part p of an axis across n, over its length, and 1 / |p|."""
     p = subtract(axis, scale(dot(n, axis), n))
     length = math.sqrt(dot(p, p))
-    inverse = 1.0 / length if length > SHORTEST else 0.0
+    inverse = 1.0 / length if length > MIN_PROJECTED_AXIS else 0.0
     return scale(inverse, p), inverse
 
 
@@ -207,7 +227,7 @@ def _set_slip(rows: Rows, i: int, second: bool, work: Workspace, gradient: Array
     t, _, _ = tangents(rows, i, n, work)
     if second:
         t = cross(n, t)
-    l_B = scale(-rows.parameters[rows.first[i] + BALL], n)
+    l_B = scale(-ball_radius(rows, i), n)
     l_A = add(delta_of(rows, i, work), l_B)
     by_A, by_B = cross(l_A, t), cross(l_B, t)
     for k in range(3):
@@ -225,7 +245,7 @@ def _add_slip_tangent(
     n, delta = rotate(work.frames.D, rows.frame_a[i], n), delta_of(rows, i, work)
     t1, axis, inverse = tangents(rows, i, n, work)
     t = cross(n, t1) if second else t1
-    r = rows.parameters[rows.first[i] + BALL]
+    r = ball_radius(rows, i)
     l_B = scale(-r, n)
     l_A = add(delta, l_B)
     for j in range(9):
@@ -299,7 +319,7 @@ def contact_motion(
         axis = row(work.couplings.slip_axis, i + 1)
     n = rotate(frames.D, f, normal)
     t1, _ = _across(n, rotate(frames.D, f, axis))
-    l_B = scale(-rows.parameters[rows.first[i] + BALL], n)
+    l_B = scale(-ball_radius(rows, i), n)
     v = subtract(_velocity(g, l_B, work), _velocity(f, add(delta_of(rows, i, work), l_B), work))
     return (dot(v, t1), dot(v, cross(n, t1))), n, add(row(frames.r, g), l_B)
 

@@ -14,8 +14,10 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .chains import chain_energy, hold_chains, stretch_chains
+from .records.elastic import Elastic
+from .records.scheme import Scheme
 from .second_order import add_curvatures, hardening_energy
-from .system import Elastic, Scheme, State, Workspace
+from .system import State, Workspace
 from .vectors import inner
 
 
@@ -62,10 +64,10 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         state.energies.damping[0] += scheme.h * _damping_power(elastic, state, work)
 
 
-SILENT = 1e-140
-"""amplitude of a mode, whose square is still a normal number, that counts as none"""
-BETWEEN = 16
-"""steps between looks for such modes"""
+NEGLIGIBLE_AMPLITUDE = 1e-140
+"""modal amplitude that counts as none; its square, 1e-280, is still a normal number"""
+STEPS_BETWEEN_FLUSHES = 16
+"""steps between searches for such amplitudes, which makes their cost negligible"""
 
 
 @compiled
@@ -156,23 +158,23 @@ def _forced_response(elastic: Elastic, scheme: Scheme, state: State, work: Works
 
 
 @compiled
-def quiet_modes(state: State) -> None:
+def flush_denormals(state: State) -> None:
     """Modes that time stepping has damped out come to rest: below some 1e-308, where they would go
     on to, arithmetic takes a hundred times as long.
     """
-    if state.step[0] % BETWEEN == 0:
+    if state.step[0] % STEPS_BETWEEN_FLUSHES == 0:
         modes = state.modes
-        _quiet(modes.eta)
-        _quiet(modes.rate)
-        _quiet(modes.acceleration)
-        _quiet(modes.a)
-        _quiet(modes.stretch)
+        _flush(modes.eta)
+        _flush(modes.rate)
+        _flush(modes.acceleration)
+        _flush(modes.a)
+        _flush(modes.stretch)
 
 
 @compiled
-def _quiet(values: Array) -> None:
+def _flush(values: Array) -> None:
     for i in range(len(values)):
-        values[i] = values[i] if abs(values[i]) > SILENT else 0.0
+        values[i] = values[i] if abs(values[i]) > NEGLIGIBLE_AMPLITUDE else 0.0
 
 
 @compiled

@@ -8,28 +8,34 @@ Source: docs/theory.md, Impulse responses and The time step.
 
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .measure import ROUNDING, relative
+from .measure import SUM_ROUNDING, relative
+from .newmark import (
+    end_pseudo_acceleration,
+    free_pseudo_acceleration,
+    predicted_change,
+    predicted_rate,
+)
+from .records.elastic import Elastic
+from .records.matrix import Pattern
+from .records.scheme import Scheme
 from .second_order import hardening_energy
-from .system import Elastic, Pattern, Scheme, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import inner
 
 
 @compiled
 def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
-    """Eqs (66)-(70) for displacements and rates, as for bodies."""
-    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    """Displacements and rates at the end of the step with the accelerations of its start."""
     motion, predicted = state.interfaces, work.interfaces
     copy(motion.u, predicted.u_n)
     copy(motion.p, predicted.p_n)
     copy(motion.rate, predicted.rate_n)
     for k in range(len(motion.u)):
         a_n = motion.a[k]
-        a = (scheme.alpha_f * motion.acceleration[k] - scheme.alpha_m * a_n) / (
-            1.0 - scheme.alpha_m
-        )
-        change = h * motion.rate[k] + h * h * ((0.5 - beta) * a_n + beta * a)
+        a = free_pseudo_acceleration(scheme, motion.acceleration[k], a_n)
+        change = predicted_change(scheme, motion.rate[k], a_n, a)
         predicted.u_predicted[k] = motion.u[k] + change
-        predicted.rate_predicted[k] = motion.rate[k] + h * ((1.0 - gamma) * a_n + gamma * a)
+        predicted.rate_predicted[k] = predicted_rate(scheme, motion.rate[k], a_n, a)
         motion.a[k] = a
         motion.u[k] = predicted.u_predicted[k] + motion.acceleration[k] / scheme.beta_prime
 
@@ -37,24 +43,27 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
 @compiled
 def set_rates(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
     """Rates and accelerations of active dofs by Newmark's formulas, as those of the bodies."""
-    motion, predicted = state.interfaces, work.interfaces
     for i in range(len(elastic.active)):
-        k = elastic.active[i]
-        change = motion.u[k] - predicted.u_predicted[k]
-        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
-        motion.acceleration[k] = scheme.beta_prime * change
+        _set_rate(elastic.active[i], scheme, state, work)
+
+
+@compiled
+def _set_rate(k: int, scheme: Scheme, state: State, work: Workspace) -> None:
+    """Rate and acceleration of dof k from its distance to the prediction."""
+    motion, predicted = state.interfaces, work.interfaces
+    change = motion.u[k] - predicted.u_predicted[k]
+    motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
+    motion.acceleration[k] = scheme.beta_prime * change
 
 
 @compiled
 def finish_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
     """Rates and accelerations of all dofs that belong to their displacements."""
-    ratio = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    motion, predicted = state.interfaces, work.interfaces
+    motion = state.interfaces
+    # Those of dofs that are not active have not been needed so far.
     for k in range(len(motion.u)):
-        change = motion.u[k] - predicted.u_predicted[k]
-        motion.rate[k] = predicted.rate_predicted[k] + scheme.gamma_prime * change
-        motion.acceleration[k] = scheme.beta_prime * change
-        motion.a[k] += ratio * motion.acceleration[k]
+        _set_rate(k, scheme, state, work)
+        motion.a[k] = end_pseudo_acceleration(scheme, motion.a[k], motion.acceleration[k])
 
 
 @compiled
@@ -101,7 +110,7 @@ def weigh_forces(system: System, work: Workspace) -> None:
             target = start + (6 + i) * stride
             for k in range(n):
                 G = elastic.G_active[elastic.G_active_start[e] + i * n + k]
-                if G != 0.0:
+                if G != 0.0:  # directions that do not interact are frequent
                     for j in range(width):
                         S[target + j] -= G * forces[k * width + j]
     for b in range(len(pattern.body)):
@@ -138,7 +147,7 @@ def relative_interface_residual(
     length, worst = system.elastic.length, 0.0
     for i in range(len(residual)):
         found = length[i] * residual[i]
-        worst = max(worst, relative(found, motion, ROUNDING * reach, tolerance))
+        worst = max(worst, relative(found, motion, SUM_ROUNDING * reach, tolerance))
     return worst
 
 

@@ -4,11 +4,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ..compiler.marks import compiled
-from .system import Rows, Workspace
+from .records.couplings import Rows
+from .system import Workspace
 from .vectors import Vector, row, subtract
 
-KINDS: list[Any] = []
-"""kinds of rows by number"""
+ROW_KINDS: list[Any] = []
+"""kinds of rows, in the order of their numbers"""
 AnyKind = TypeVar("AnyKind", bound=type)
 
 
@@ -21,10 +22,10 @@ def row_kind(*, length: bool, slips: bool = False) -> Callable[[AnyKind], AnyKin
     """
 
     def register(kind: Any) -> Any:
-        kind.number, kind.length, kind.slips = len(KINDS), length, slips
+        kind.number, kind.length, kind.slips = len(ROW_KINDS), length, slips
         compiled(kind.evaluate)
         compiled(kind.add_tangent)
-        KINDS.append(kind)
+        ROW_KINDS.append(kind)
         return kind
 
     return register

@@ -14,14 +14,14 @@ from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .frames import add_pair_tangent, add_wrench_scale, pull_back
+from .records.loads import Loads
 from .rotations import relative_rotation
-from .system import Loads, State, System, Workspace
-from .vectors import UNITS, Vector, add_to_row, cross, dot, rotate, scale, triple
+from .system import State, System, Workspace
+from .vectors import UNIT_AXES, ZERO_VECTOR, Vector, add_to_row, cross, dot, rotate, scale, triple
 
 LOAD_KINDS: list[Any] = []
 """kinds of loads, in the order of their numbers"""
 AnyKind = TypeVar("AnyKind", bound=type)
-ZERO = (0.0, 0.0, 0.0)
 
 
 def load_kind(*, moment: bool, by_velocity: bool = False) -> Callable[[AnyKind], AnyKind]:
@@ -63,7 +63,7 @@ def _add_directed_tangent(loads: Loads, m: int, work: Workspace, H: Array) -> bo
         return False
     vector = _directed(loads, m, work)
     for j in range(3):
-        turned = cross(UNITS[j], vector)
+        turned = cross(UNIT_AXES[j], vector)
         for i in range(3):
             H[i, 3 + j] += turned[i]
     return True
@@ -145,7 +145,7 @@ def add_load_scales(system: System, state: State, work: Workspace) -> None:
     loads = system.loads
     for m in range(len(loads.frame)):
         vector = load_vector(loads, m, work)
-        wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
+        wrench = (ZERO_VECTOR, vector) if loads.moment[m] else (vector, ZERO_VECTOR)
         add_wrench_scale(system.frames, loads.frame[m], wrench, state, work)
 
 
@@ -153,7 +153,7 @@ def add_load_scales(system: System, state: State, work: Workspace) -> None:
 def linearize_loads(system: System, state: State, work: Workspace) -> None:
     """K += the tangents of loads that depend on the motion of their frame."""
     loads, frames, pattern = system.loads, system.frames, system.pattern
-    H, half, tangent = work.loads.tangent, work.loads.half_tangent, work.frames.pair_tangent
+    H, forces, tangent = work.loads.tangent, work.loads.forces_by_motion, work.loads.frame_tangent
     for m in range(len(loads.frame)):
         f = loads.frame[m]
         if frames.body[f] < 0:
@@ -165,16 +165,17 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
         n = 12 if loads.by_velocity[m] else 6
         for j in range(n):
             vector = (H[0, j], H[1, j], H[2, j])
-            wrench = (ZERO, vector) if loads.moment[m] else (vector, ZERO)
-            pull_back(frames, f, wrench, state, work, half[j])
+            wrench = (ZERO_VECTOR, vector) if loads.moment[m] else (vector, ZERO_VECTOR)
+            pull_back(frames, f, wrench, state, work, forces[j])
         for z in range(12):
-            by_r = (half[0, z], half[1, z], half[2, z])
-            by_theta = (half[3, z], half[4, z], half[5, z])
-            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z, :12])
+            by_r = (forces[0, z], forces[1, z], forces[2, z])
+            by_theta = (forces[3, z], forces[4, z], forces[5, z])
+            pull_back(frames, f, (by_r, by_theta), state, work, tangent[z])
             for j in range(6, n):
                 for k in range(12):
-                    tangent[z, k] += half[j, z] * work.frames.rate_map[f, j - 6, k]
-        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[frames.body[f]], work)
+                    tangent[z, k] += forces[j, z] * work.frames.rate_map[f, j - 6, k]
+        block = pattern.body_block[frames.body[f]]
+        add_pair_tangent(frames, (f, f), tangent, (0, 0), block, work)
 
 
 @compiled

@@ -10,7 +10,7 @@ from .extremes import follow_extremes
 from .force_laws import remember_laws
 from .frames import move_frame_velocities, move_frames
 from .friction import keep_status
-from .history import finish_history, quiet_modes, start_history
+from .history import finish_history, flush_denormals, start_history
 from .interfaces import add_elastic_work, finish_interfaces, predict_interfaces
 from .loads import add_load_work
 from .newton import converge, renew
@@ -52,6 +52,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         if not converged:
             return k, residual
         _finish(system, state, work)
+        # Such a step does not count: it is taken again with steps that resolve the contact.
         in_flight = system.scheme.stride > 1
         if state.contacts.passed[0] or (in_flight and is_closed(system.couplings, work)):
             return k, residual
@@ -100,7 +101,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
     follow_extremes(system, state, work)
-    quiet_modes(state)
+    flush_denormals(state)
     state.step[0] += system.scheme.stride
     state.taken[0] += 1
 

@@ -18,7 +18,8 @@ import math
 
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .system import Motors, State, Workspace
+from .records.laws import Motors
+from .system import State, Workspace
 
 
 @compiled

@@ -15,6 +15,7 @@ the factors of one matrix serve many steps: they are made anew when a correction
 """
 
 import math
+from enum import IntEnum
 
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
@@ -26,60 +27,110 @@ from .equations import assemble, evaluate, linearize, relative_residual
 from .interfaces import move_interfaces, set_interface_rhs
 from .system import State, System, Workspace
 
-PRECISION = 1e-15
-"""the last correction, relative to positions, of a state as near as rounding allows"""
-STALLED = 0.5
+NEGLIGIBLE_CORRECTION = 1e-15
+"""correction over the largest coordinate that is lost in the rounding of positions"""
+STALLED_RATIO = 0.5
 """ratio of successive corrections above which more of them do not help"""
-LOST = 1.0
-"""relative residual at which a fixed number of iterations has failed"""
+MAX_FIXED_RESIDUAL = 1.0
+"""relative residual from which on a fixed number of iterations has failed"""
+
+
+class Outcome(IntEnum):
+    """What an iteration of Newton's method, or all of them, came to."""
+
+    CORRECTABLE = 0
+    """neither converged nor failed: another correction may help"""
+    CONVERGED = 1
+    ENDED_EARLY = 2
+    """the fixed number of iterations is done, and the residual is too large"""
+    FAILED = 3
+    """the largest number of iterations is done, or the matrix is singular"""
 
 
 @compiled
 def converge(system: System, state: State, work: Workspace) -> tuple[int, float, bool]:
     """Newton's method from the predicted state: iterations, relative residual, True if converged.
 
-    Errors of old factors do not square, so it goes on below the tolerance until the corrections
-    no longer shrink. Where it fails with old factors, or from the predicted accelerations, it
-    starts once more from zero accelerations and makes every matrix anew; friction then sticks
-    first, and slips the way it is dragged: from far off what is light slips to and fro for ever.
-    After `newton.fixed_iterations` iterations, where that is set, it returns the state as it is.
+    Where it fails with old factors, or from the predicted accelerations, it starts once more from
+    zero accelerations and makes every matrix anew.
     """
-    newton, matrix = system.newton, work.matrix
-    reuse = newton.reuse
     reach = largest_coordinate(system.bodies, state)
+    outcome, iterations, residual = _iterate(system, system.newton.reuse, reach, state, work)
+    total = iterations
+    if outcome == Outcome.FAILED and system.newton.reuse > 0.0:
+        _restart(system, state, work)
+        outcome, iterations, residual = _iterate(system, 0.0, reach, state, work)
+        total += iterations
+    if outcome == Outcome.FAILED:
+        residual = relative_residual(system, reach, iterations > 1, state, work)
+    return total, residual, outcome == Outcome.CONVERGED
+
+
+@compiled
+def _iterate(
+    system: System, reuse: float, reach: float, state: State, work: Workspace
+) -> tuple[Outcome, int, float]:
+    """Correct the state until it converges or fails: outcome, number of corrections, residual.
+
+    reuse: ratio of successive corrections up to which old factors serve; reach: largest coordinate
+    [m]. The residual is infinite where the iteration failed.
+    """
     change = previous = math.inf
-    total = iterations = 0
+    iterations = 0
     while True:
+        # Far from the solution, friction on light bodies can oscillate between stick and slip. With
+        # new matrices alone it sticks at first, so that it slips in the direction of its load.
         work.couplings.holds[0] = int(reuse == 0.0 and iterations == 0)
         evaluate(system, state, work)
-        if iterations == newton.fixed_iterations and iterations > 0:
-            residual = relative_residual(system, reach, iterations > 1, state, work)
-            return total, residual, residual < LOST
-        fast = change <= max(reuse * previous, PRECISION * reach)
-        at_rest = change <= PRECISION * reach or change > STALLED * previous
-        last = iterations == newton.max_iterations
-        if iterations > 0 and (at_rest or last):
-            residual = relative_residual(system, reach, iterations > 1, state, work)
-            if residual <= newton.tolerance:
-                matrix.current[0] = int(fast)
-                return total, residual, True
-        solvable = not last
-        fits = matrix.current[0] == 1 and not has_switched(system.couplings, work)
-        if solvable and not (fits and fast):
-            solvable = renew(system, state, work)
-            matrix.current[0] = int(solvable)
-            matrix.count[0] += 1
-        if solvable:
-            previous, change = change, correct(system, state, work)
-            iterations += 1
-            total += 1
-        elif reuse > 0.0:
-            reuse, iterations = 0.0, 0
-            change = previous = math.inf
-            _restart(system, state, work)
-        else:
-            residual = relative_residual(system, reach, iterations > 1, state, work)
-            return total, residual, False
+        is_fast = change <= max(reuse * previous, NEGLIGIBLE_CORRECTION * reach)
+        # Errors of old factors do not square: below the tolerance corrections still help until they
+        # no longer shrink.
+        is_at_rest = change <= NEGLIGIBLE_CORRECTION * reach or change > STALLED_RATIO * previous
+        outcome, residual = _judge(system, iterations, is_at_rest, reach, state, work)
+        if outcome == Outcome.CONVERGED:
+            work.matrix.current[0] = int(is_fast)
+        if outcome == Outcome.CORRECTABLE and not _has_factors(system, is_fast, state, work):
+            outcome = Outcome.FAILED
+        if outcome != Outcome.CORRECTABLE:
+            return outcome, iterations, residual
+        previous, change = change, correct(system, state, work)
+        iterations += 1
+
+
+@compiled
+def _judge(
+    system: System, iterations: int, is_at_rest: bool, reach: float, state: State, work: Workspace
+) -> tuple[Outcome, float]:
+    """What the corrections so far came to, and the residual where it was asked for.
+
+    is_at_rest: another correction is not expected to help.
+    """
+    newton = system.newton
+    is_last = iterations == newton.max_iterations
+    is_fixed = iterations == newton.fixed_iterations
+    residual = math.inf
+    if iterations > 0 and (is_fixed or is_at_rest or is_last):
+        residual = relative_residual(system, reach, iterations > 1, state, work)
+        if is_fixed:
+            small = residual < MAX_FIXED_RESIDUAL
+            return (Outcome.CONVERGED if small else Outcome.ENDED_EARLY), residual
+        if residual <= newton.tolerance:
+            return Outcome.CONVERGED, residual
+    return (Outcome.FAILED if is_last else Outcome.CORRECTABLE), residual
+
+
+@compiled
+def _has_factors(system: System, is_fast: bool, state: State, work: Workspace) -> bool:
+    """Whether there are factors for the next correction; they are made where the old do not serve.
+
+    is_fast: corrections shrink fast enough with the old ones.
+    """
+    matrix = work.matrix
+    serves = matrix.current[0] == 1 and not has_switched(system.couplings, work)
+    if not (serves and is_fast):
+        matrix.current[0] = int(renew(system, state, work))
+        matrix.count[0] += 1
+    return bool(matrix.current[0] == 1)
 
 
 @entry
@@ -115,5 +166,6 @@ def _restart(system: System, state: State, work: Workspace) -> None:
     """The safest guess: no accelerations, displacements and multipliers of the last step."""
     state.bodies.v_dot[:] = 0.0
     accelerate(system.scheme, state, work)
+    # Predicted displacements belong to the accelerations that have just been dropped.
     copy(work.interfaces.u_n, state.interfaces.u)
     copy(work.couplings.lam_n, state.couplings.lam)

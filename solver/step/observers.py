@@ -2,8 +2,9 @@
 
 from ..compiler.marks import compiled, entry
 from .frames import pull_back_pair
+from .records.couplings import Rows
 from .rows import evaluate_row, nearest_turn
-from .system import Rows, State, System, Workspace
+from .system import State, System, Workspace
 
 
 @compiled

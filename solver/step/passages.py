@@ -21,12 +21,14 @@ import math
 
 from ..compiler.marks import compiled
 from .contacts import is_closed
-from .gaps import BALL, gap_at, place_of_ball
+from .gaps import ball_radius, gap_at, place_of_ball
 from .kinds import delta_of
+from .records.couplings import Couplings, Rows
 from .rotations import stumpff
 from .rows import GAP
-from .system import Couplings, Rows, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import (
+    ZERO_VECTOR,
     Vector,
     add,
     cross,
@@ -40,24 +42,24 @@ from .vectors import (
     triple,
 )
 
-FINEST = 0.01
-"""shortest part of a path that is looked at, over the size of ball and shape"""
-NEGLIGIBLE = 1e-5
-"""depth over that size that no step need show"""
-GRAZE = 1e-3
-"""depth in a plane over the radius of the ball that is none: it is slower than forces make it in a
-step"""
+FINEST_PART = 0.01
+"""least distance of the places of a path that are examined, over the size of ball and shape"""
+NEGLIGIBLE_DEPTH = 1e-5
+"""depth of a passage, over the size of ball and shape, that counts as none"""
+GRAZING_DEPTH = 1e-3
+"""depth of a passage in a plane, over the radius of the ball, that counts as none: such a ball is
+slower than forces make it within a step"""
 PATH_ERROR = 0.05
 """error of a path over its deviation from a straight line"""
-MOST_PLACES = 1000
-"""on a path that are looked at"""
+MAX_PLACES = 1000
+"""places of a path that are examined"""
 PLACES_OF_CLOSED, PLACES_OF_PLANE = 16, 32
-"""of a ball that is in contact at an end of the step, and of one beside a plane"""
-STEEPEST = 1.5
-"""change of the gap over the way of the ball; past an end two distances add, each of slope 1"""
+"""places of the path of a ball that is in contact at an end of the step, and beside a plane"""
+MAX_GAP_SLOPE = 1.5
+"""largest change of a gap over the way of the ball: past an end two distances
+add, each of slope 1"""
 LONG_TRAVEL = 0.5
-"""travel in contact within a step over the size of ball and shape, from which on it is looked at"""
-ORIGIN = (0.0, 0.0, 0.0)
+"""travel in contact in a step, over the size of ball and shape, from which a path is examined"""
 
 Path = tuple[Vector, Vector, Vector, Vector, Vector, Vector, Vector]
 """psi and lever of A, the same of B, Delta at the end, translation in the step, h times its rate"""
@@ -107,6 +109,7 @@ def _has_passed(
     square_A, arm_A = _turn_and_arm(system, f, work)
     square_B, arm_B = _turn_and_arm(system, g, work)
     apart = magnitude(delta_of(rows, i, work))
+    # An arc of angle psi and radius l stays within psi^2 l / 8 of its chord.
     bend = 0.125 * (square_A * (arm_A + apart) + square_B * arm_B)
     bend += 0.5 * math.sqrt(square_A) * travel
     if before + after > 2.0 * travel + 8.0 * bend:  # far away, and in a smooth motion for sure
@@ -120,19 +123,20 @@ def _has_passed(
     sag = 0.25 * _length(subtract(path[5], path[6]))
     length = travel + 4.0 * (bend + sag)
     if closed:
-        deep = max(-before, -after) + 0.1 * FINEST * size
+        deep = max(-before, -after) + 0.1 * FINEST_PART * size
         return _reaches(rows, i, path, False, deep, length, 1.0 / PLACES_OF_CLOSED, work)
-    if before + after > STEEPEST * length or length < FINEST * size < math.inf:
+    if before + after > MAX_GAP_SLOPE * length or length < FINEST_PART * size < math.inf:
         return False
     if size == math.inf and min(before, after) > bend + sag:
         return False
-    finest = max(1.0 / MOST_PLACES, min(FINEST * size / length, 1.0 / PLACES_OF_PLANE))
+    finest = max(1.0 / MAX_PLACES, min(FINEST_PART * size / length, 1.0 / PLACES_OF_PLANE))
     if size == math.inf:
-        deep = max(PATH_ERROR * (bend + sag), GRAZE * rows.parameters[rows.first[i] + BALL])
+        deep = max(PATH_ERROR * (bend + sag), GRAZING_DEPTH * ball_radius(rows, i))
     else:
-        deep = NEGLIGIBLE * size + PATH_ERROR * sag
+        deep = NEGLIGIBLE_DEPTH * size + PATH_ERROR * sag
     if not _reaches(rows, i, path, True, deep, length, finest, work):
         return False
+    # An impact elsewhere makes velocities jump, so that the parabola alone proves nothing.
     smooth = not is_closed(system.couplings, work) and not _were_closed(state)
     return smooth or _reaches(rows, i, path, False, deep, length, finest, work)
 
@@ -166,7 +170,7 @@ def _turn(system: System, f: int, state: State, work: Workspace) -> tuple[Vector
     """psi of the body of frame f in the step and its lever, in space; zero of a fixed frame."""
     b = system.frames.body[f]
     if b < 0:
-        return ORIGIN, ORIGIN
+        return ZERO_VECTOR, ZERO_VECTOR
     R = state.bodies.R
     return rotate(R, b, row(work.bodies.psi, b)), rotate(R, b, row(work.frames.lever, f))
 
@@ -198,7 +202,7 @@ def _translation(system: System, f: int, state: State) -> Vector:
     """Velocity of frame f but for the rotation of its body, in space."""
     b = system.frames.body[f]
     if b < 0:
-        return ORIGIN
+        return ZERO_VECTOR
     velocity, k = row(state.bodies.v, b), system.frames.dof[f]
     if k >= 0:
         velocity = add(velocity, rotate(state.bodies.R, b, triple(state.interfaces.rate, k)))
@@ -247,12 +251,12 @@ def _reaches(
 ) -> bool:
     """Whether a path of at most a length leads deeper than that, looked at in parts >= finest."""
     s, blocked = 1.0, work.couplings.blocked[i] == 1
-    for _ in range(MOST_PLACES):
+    for _ in range(MAX_PLACES):
         place = _place(rows, i, path, with_rates, s, work)
         gap, blocked = gap_at(rows, i, place, blocked)
         if gap < -deep:
             return True
-        s -= max(max(gap, 0.0) / (STEEPEST * length), finest)
+        s -= max(max(gap, 0.0) / (MAX_GAP_SLOPE * length), finest)
         if s <= 0.0:
             return False
     return False

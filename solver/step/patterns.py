@@ -8,9 +8,12 @@ the columns of that dof. The resultants are those of the undeformed body.
 
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
+from .records.elastic import Elastic
+from .records.loads import LoadPatterns
+from .records.scheme import Scheme
 from .rotations import relative_rotation
-from .system import Elastic, LoadPatterns, Scheme, State, System, Workspace
-from .vectors import UNITS, cross, magnitude, rotate, row, scale
+from .system import State, System, Workspace
+from .vectors import UNIT_AXES, cross, magnitude, rotate, row, scale
 
 
 @compiled
@@ -52,7 +55,7 @@ def add_pattern_tangents(system: System, work: Workspace) -> None:
         start, stride = block[b, 0], block[b, 1]
         F = scale(work.loads.value[patterns.signal[t]], row(patterns.force, t))
         for j in range(3):
-            turned = cross(UNITS[j], F)
+            turned = cross(UNIT_AXES[j], F)
             for i in range(3):
                 work.matrix.S[start + i * stride + 3 + j] += turned[i]
 

@@ -2,7 +2,8 @@
 
 from ..compiler.marks import compiled
 from .bodies import spin_of
-from .system import Output, Sensors, State
+from .records.elastic import Sensors
+from .system import Output, State
 from .vectors import Vector, add, cross, rotate_back, row, scale, triple
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from ..arrays import Array
 from ..compiler.marks import compiled
 
-C4 = np.array([(-1.0) ** i / math.factorial(4 + 2 * i) for i in range(9)])
-C5 = np.array([(-1.0) ** i / math.factorial(5 + 2 * i) for i in range(9)])
+# Series of c_4 and c_5 in s: the ninth term is below rounding at s = 1.
+STUMPFF_4 = np.array([(-1.0) ** i / math.factorial(4 + 2 * i) for i in range(9)])
+STUMPFF_5 = np.array([(-1.0) ** i / math.factorial(5 + 2 * i) for i in range(9)])
 
 
 @compiled
@@ -26,10 +27,10 @@ def stumpff(square: float) -> tuple[float, float, float, float, float, float]:
     cancellation.
     """
     if square < 1.0:
-        c4, c5 = C4[8], C5[8]
+        c4, c5 = STUMPFF_4[8], STUMPFF_5[8]
         for i in range(7, -1, -1):
-            c4 = C4[i] + square * c4
-            c5 = C5[i] + square * c5
+            c4 = STUMPFF_4[i] + square * c4
+            c5 = STUMPFF_5[i] + square * c5
         c2, c3 = 0.5 - square * c4, 1.0 / 6.0 - square * c5
         return 1.0 - square * c2, 1.0 - square * c3, c2, c3, c4, c5
     angle = math.sqrt(square)

@@ -26,9 +26,10 @@ from ..arrays import Array
 from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
 from .gaps import FirstSlip, Gap, SecondSlip
-from .kinds import KINDS, delta_of, row_kind
-from .system import Rows, Workspace
-from .vectors import UNITS, Vector, add, cross, dot, rotate, row, scale, subtract, triple
+from .kinds import ROW_KINDS, delta_of, row_kind
+from .records.couplings import Rows
+from .system import Workspace
+from .vectors import UNIT_AXES, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
 
 @compiled
@@ -73,7 +74,7 @@ class Translation:
         delta = delta_of(rows, i, work)
         f = scale(factor, rotate(work.frames.D, rows.frame_a[i], row(rows.a, i)))
         for j in range(3):
-            f_e = cross(f, UNITS[j])
+            f_e = cross(f, UNIT_AXES[j])
             turned = cross(delta, f_e)
             for k in range(3):
                 H[k, 3 + j] += f_e[k]
@@ -292,20 +293,20 @@ def _add_rotation_at(a: Vector, b: Vector, factor: float, n: int, H: Array) -> N
             H[m + j, m + k] += N
 
 
-LENGTHS = tuple(kind.number for kind in KINDS if kind.length)
+LENGTH_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.length)
 ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
 ANGLE_OF_A, ATTITUDE = AngleOfA.number, Attitude.number
 FIRST_SLIP, SECOND_SLIP = FirstSlip.number, SecondSlip.number
 _evaluate = dispatcher(
     "evaluate_kind",
     "rows, i, angle, near, work, gradient",
-    [kind.evaluate for kind in KINDS],
+    [kind.evaluate for kind in ROW_KINDS],
     otherwise="0.0",
 )
 _add_tangent = dispatcher(
     "add_kind_tangent",
     "rows, i, angle, factor, work, H",
-    [kind.add_tangent for kind in KINDS],
+    [kind.add_tangent for kind in ROW_KINDS],
     otherwise="None",
 )
 
@@ -313,7 +314,7 @@ _add_tangent = dispatcher(
 @compiled
 def measures_length(kind: int) -> bool:
     """True where the coordinate of a kind of rows is a length."""
-    for number in LENGTHS:  # noqa: SIM110 - compiled code has no generators
+    for number in LENGTH_KINDS:  # noqa: SIM110 - compiled code has no generators
         if kind == number:
             return True
     return False

@@ -18,12 +18,13 @@ Source: docs/theory.md, Fast rotation.
 from ..arrays import Array
 from ..compiler.marks import compiled
 from .bodies import spin_of
+from .records.elastic import Elastic
 from .rotations import tangent_inverse
-from .system import Elastic, State, System, Workspace
-from .vectors import UNITS, Vector, cross, inner, triple
+from .system import State, System, Workspace
+from .vectors import UNIT_AXES, Vector, cross, inner, triple
 
-INERTIA = 6
-"""numbers of d: changes of J_11, J_22, J_33, J_23, J_13, J_12"""
+INERTIA_DOFS = 6
+"""number of dofs d of inertia: changes of J_11, J_22, J_33, J_23, J_13, J_12"""
 
 
 @compiled
@@ -164,7 +165,7 @@ def _follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> 
     _add_products(second.gyroscopic, start, rate, at_rate)
     _add_products(second.turned, start, rate, by_rate)
     _set_inertia(elastic, e, state, work)
-    turned = inertia_product(state.interfaces.rate, first - INERTIA, spin_of(state, b))
+    turned = inertia_product(state.interfaces.rate, first - INERTIA_DOFS, spin_of(state, b))
     for i in range(3):
         work.bodies.relative_momentum[b, i] = inner(at_q[i * r : (i + 1) * r], rate)
         by_motion = inner(at_rate[i * r : (i + 1) * r], rate) + inner(
@@ -176,10 +177,10 @@ def _follow_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> 
 @compiled
 def _set_inertia(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     """J = J_0 + mat(d)"""
-    d = first_coordinate(elastic, e) - INERTIA
+    d = first_coordinate(elastic, e) - INERTIA_DOFS
     J, J_0 = work.bodies.J[elastic.body[e]], elastic.second.J_0[e]
     for j in range(3):
-        change = inertia_product(state.interfaces.u, d, UNITS[j])
+        change = inertia_product(state.interfaces.u, d, UNIT_AXES[j])
         for i in range(3):
             J[i, j] = J_0[i, j] + change[i]
 
@@ -191,8 +192,8 @@ def _set_loads(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
     r, first, begin = second.r[e], first_coordinate(elastic, e), elastic.active_range[e]
     omega, v_dot = spin_of(state, b), state.bodies.v_dot
     loads = inertia_loads(omega)
-    for j in range(INERTIA):
-        p[first - INERTIA + j] = loads[j]
+    for j in range(INERTIA_DOFS):
+        p[first - INERTIA_DOFS + j] = loads[j]
     out = p[first : first + r]
     at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
     for j in range(r):
@@ -331,11 +332,11 @@ def _add_own_slopes(
     r, n = second.r[e], elastic.active_range[e + 1] - elastic.active_range[e] - second.r[e]
     omega, v_dot = spin_of(state, b), state.bodies.v_dot
     tangent_inverse(work.bodies.psi[b], T)
-    for j in range(INERTIA):
+    for j in range(INERTIA_DOFS):
         slope = inertia_column(j, omega)
         for i in range(3):
             turned = slope[0] * T[0, i] + slope[1] * T[1, i] + slope[2] * T[2, i]
-            S[start + (n - INERTIA + j) * stride + 3 + i] += scheme.gamma_prime * turned
+            S[start + (n - INERTIA_DOFS + j) * stride + 3 + i] += scheme.gamma_prime * turned
     at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
     for j in range(r):
         target = start + (n + j) * stride
@@ -408,19 +409,19 @@ def _add_moment_slopes(system: System, e: int, block: Array, state: State, work:
     r, n = second.r[e], elastic.active_range[e + 1] - elastic.active_range[e] - second.r[e]
     h2, slope, curvature = scheme.h * scheme.h, scheme.gamma_prime, scheme.beta_prime
     omega, turning = spin_of(state, b), triple(state.bodies.v_dot[b], 3)
-    T, d = work.bodies.T_inverse, first_coordinate(elastic, e) - INERTIA
+    T, d = work.bodies.T_inverse, first_coordinate(elastic, e) - INERTIA_DOFS
     tangent_inverse(work.bodies.psi[b], T)
     first = block[0] + 3 * block[1] + 6
     for j in range(3):
         turned = inertia_product(state.interfaces.rate, d, (T[0, j], T[1, j], T[2, j]))
         for i in range(3):
             S[first + i * block[1] - 3 + j] += h2 * slope * turned[i]
-    for j in range(INERTIA):
+    for j in range(INERTIA_DOFS):
         still, moved = inertia_column(j, turning), inertia_column(j, omega)
         turned = cross(omega, moved)
         for i in range(3):
             total = still[i] + slope * moved[i] + turned[i]
-            S[first + i * block[1] + n - INERTIA + j] += h2 * total
+            S[first + i * block[1] + n - INERTIA_DOFS + j] += h2 * total
     at_q, at_rate, by_rate = work.second.at_q[e], work.second.at_rate[e], work.second.by_rate[e]
     coordinate = first_coordinate(elastic, e)
     acceleration = state.interfaces.acceleration[coordinate : coordinate + r]

@@ -24,26 +24,32 @@ Curvature = tuple[float, float, float, float, float, float]
 Surface = tuple[float, Vector, Curvature, float]
 """distance, normal, curvature and how far beyond the ends"""
 
-FLAT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-PIECE = 9
-"""numbers of a piece of a profile"""
-SAMPLES, CORRECTIONS, CLOSE = 5, 50, 1e-15
-"""points of a piece at which the nearest is looked for, then steps of Newton's method"""
-SHARP = 1e-3
-"""least distance from a center of curvature over the radius, where normals cross"""
-ON_END = 1e-9
+NO_CURVATURE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NUMBERS_PER_PIECE = 9
+"""length of a piece of a profile, and the four coefficients of both coordinates"""
+SAMPLES_PER_PIECE = 5
+"""points of a piece from which the nearest one is chosen to start with"""
+MAX_POINT_CORRECTIONS = 50
+"""iterations of Newton's method for the nearest point of a profile"""
+POINT_PRECISION = 1e-15
+"""correction of the nearest point, over the length of its piece, that counts as none"""
+MIN_CENTER_DISTANCE = 1e-3
+"""least distance from a center of curvature, where normals cross, over the radius"""
+NEGLIGIBLE_OVERRUN = 1e-9
 """distance past an end, over the length of a piece, that counts as none"""
-SHAPES: list[Any] = []
-"""shapes by number"""
+RADIUS, HALF_LENGTH = 0, 1
+"""places of the parameters of a sphere, which has the first alone, and of a cylinder"""
+SHAPE_KINDS: list[Any] = []
+"""shapes, in the order of their numbers"""
 AnyShape = TypeVar("AnyShape", bound=type)
 
 
 def shape(kind: AnyShape) -> AnyShape:
     """Register a shape: a class with a compiled function `at`."""
     registered: Any = kind
-    registered.number = len(SHAPES)
+    registered.number = len(SHAPE_KINDS)
     compiled(registered.at)
-    SHAPES.append(registered)
+    SHAPE_KINDS.append(registered)
     return kind
 
 
@@ -52,7 +58,7 @@ def _round(R: float, p: Vector, axis: Vector, across: Vector) -> tuple[float, Ve
     """|p| - R about an axis, or about a point where that is zero."""
     length = math.sqrt(dot(p, p))
     if length == 0.0:
-        return -R, across, FLAT
+        return -R, across, NO_CURVATURE
     n = scale(1.0 / length, p)
     a = axis
     return (
@@ -77,18 +83,18 @@ class Plane:
 
     @staticmethod
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
-        return dot(axis, y), axis, FLAT, 0.0
+        return dot(axis, y), axis, NO_CURVATURE, 0.0
 
 
 @shape
 class Sphere:
-    """s = |y| - R; parameters: R."""
+    """s = |y| - R; parameter: R."""
 
     number: int
 
     @staticmethod
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
-        s, n, K = _round(parameters[0], y, (0.0, 0.0, 0.0), across)
+        s, n, K = _round(parameters[RADIUS], y, (0.0, 0.0, 0.0), across)
         return s, n, K, 0.0
 
 
@@ -101,8 +107,8 @@ class Cylinder:
     @staticmethod
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
         along = dot(axis, y)
-        s, n, K = _round(parameters[0], subtract(y, scale(along, axis)), axis, across)
-        return s, n, K, max(abs(along) - parameters[1], 0.0)
+        s, n, K = _round(parameters[RADIUS], subtract(y, scale(along, axis)), axis, across)
+        return s, n, K, max(abs(along) - parameters[HALF_LENGTH], 0.0)
 
 
 @shape
@@ -127,7 +133,7 @@ class Profile:
         s = (px - x) * tz - (py - z) * tx
         beyond = abs((px - x) * tx + (py - z) * tz)
         bend = (dx * ddz - dz * ddx) / (speed * speed * speed)
-        k = bend / max(1.0 + bend * s, SHARP)
+        k = bend / max(1.0 + bend * s, MIN_CENTER_DISTANCE)
         t_ = add(scale(tx, across), scale(tz, up))
         n = subtract(scale(tz, across), scale(tx, up))
         K = (
@@ -138,13 +144,13 @@ class Profile:
             k * t_[0] * t_[2],
             k * t_[0] * t_[1],
         )
-        return s, n, K, beyond if beyond > ON_END * speed else 0.0
+        return s, n, K, beyond if beyond > NEGLIGIBLE_OVERRUN * speed else 0.0
 
 
 @compiled
 def _cubic(parameters: Array, piece: int, coordinate: int, t: float) -> tuple[float, float, float]:
     """A coordinate of a piece at t, and its derivatives."""
-    k = 1 + PIECE * piece + coordinate
+    k = 1 + NUMBERS_PER_PIECE * piece + coordinate
     a, b, c, d = parameters[k], parameters[k + 1], parameters[k + 2], parameters[k + 3]
     return ((a * t + b) * t + c) * t + d, (3.0 * a * t + 2.0 * b) * t + c, 6.0 * a * t + 2.0 * b
 
@@ -155,9 +161,9 @@ def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
     best, piece, at = math.inf, 0, 0.0
     n = int(parameters[0])
     for i in range(n):
-        length = parameters[1 + PIECE * i]
-        for sample in range(SAMPLES):
-            t = length * sample / (SAMPLES - 1.0)
+        length = parameters[1 + NUMBERS_PER_PIECE * i]
+        for sample in range(SAMPLES_PER_PIECE):
+            t = length * sample / (SAMPLES_PER_PIECE - 1.0)
             x, _, _ = _cubic(parameters, i, 1, t)
             z, _, _ = _cubic(parameters, i, 5, t)
             square = (px - x) * (px - x) + (py - z) * (py - z)
@@ -171,36 +177,40 @@ def _polished(
     parameters: Array, n: int, piece: int, t: float, px: float, py: float
 ) -> tuple[int, float]:
     """Newton's method for (p - c) . c' = 0, over the ends of pieces that go on."""
-    closed = parameters[1 + PIECE * n] > 0.0
-    for _ in range(CORRECTIONS):
+    closed = parameters[1 + NUMBERS_PER_PIECE * n] > 0.0
+    for _ in range(MAX_POINT_CORRECTIONS):
         x, dx, ddx = _cubic(parameters, piece, 1, t)
         z, dz, ddz = _cubic(parameters, piece, 5, t)
         slope = dx * dx + dz * dz
+        # Beyond a center of curvature the second derivative is negative, and Newton's method would
+        # go to the farthest point: so a part of the slope bounds it from below.
         curvature = slope - (px - x) * ddx - (py - z) * ddz
         change = ((px - x) * dx + (py - z) * dz) / max(curvature, 0.2 * slope)
         t += change
-        length = parameters[1 + PIECE * piece]
+        length = parameters[1 + NUMBERS_PER_PIECE * piece]
+        # A point beyond an end of its piece goes on in the neighbor, or stays at a free end.
         if t < 0.0:
             if piece == 0 and not closed:
                 t = 0.0
             else:
                 piece = piece - 1 if piece > 0 else n - 1
-                t = max(t + parameters[1 + PIECE * piece], 0.0)
+                t = max(t + parameters[1 + NUMBERS_PER_PIECE * piece], 0.0)
         elif t > length:
             if piece == n - 1 and not closed:
                 t = length
             else:
                 piece = piece + 1 if piece < n - 1 else 0
-                t = min(t - length, parameters[1 + PIECE * piece])
-        if abs(change) <= CLOSE * length:
+                t = min(t - length, parameters[1 + NUMBERS_PER_PIECE * piece])
+        if abs(change) <= POINT_PRECISION * length:
             break
     return piece, t
 
 
+CYLINDER, PROFILE = Cylinder.number, Profile.number
 _at: Callable[..., Surface] = dispatcher(
     "surface_at",
     "parameters, axis, across, y",
-    [kind.at for kind in SHAPES],
+    [kind.at for kind in SHAPE_KINDS],
     otherwise="0.0, axis, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0",
 )
 

@@ -18,8 +18,11 @@ from .frames import (
     pull_back_tangent,
     width,
 )
+from .records.couplings import Couplings
+from .records.frames import Frames
+from .records.matrix import Pattern
 from .rows import add_row_tangent, evaluate_row, measures_length
-from .system import Couplings, Frames, Pattern, State, System, Workspace
+from .system import State, System, Workspace
 from .vectors import scale, triple
 
 
@@ -79,13 +82,14 @@ def add_tangent_of_pair(
     """K += `pair_tangent` in the blocks (A, B) and (B, A) between the bodies of two frames."""
     f, g = pair
     a, b = frames.body[f], frames.body[g]
+    tangent = work.frames.pair_tangent
     if a >= 0:
-        add_pair_tangent(frames, (f, f), (0, 0), pattern.body_block[a], work)
+        add_pair_tangent(frames, (f, f), tangent, (0, 0), pattern.body_block[a], work)
     if b >= 0:
-        add_pair_tangent(frames, (g, g), (12, 12), pattern.body_block[b], work)
+        add_pair_tangent(frames, (g, g), tangent, (12, 12), pattern.body_block[b], work)
     if a >= 0 and b >= 0:
-        add_pair_tangent(frames, (f, g), (0, 12), blocks[0], work)
-        add_pair_tangent(frames, (g, f), (12, 0), blocks[1], work)
+        add_pair_tangent(frames, (f, g), tangent, (0, 12), blocks[0], work)
+        add_pair_tangent(frames, (g, f), tangent, (12, 0), blocks[1], work)
 
 
 @compiled

@@ -5,7 +5,8 @@ from ..compiler.marks import compiled
 
 Vector = tuple[float, float, float]
 
-UNITS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ZERO_VECTOR = (0.0, 0.0, 0.0)
+UNIT_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @compiled

@@ -48,7 +48,7 @@ name = "glide"
 type = "point_on_plane"
 between = ["ground", "ball"]
 axis = [0, 1, 0]
-drawn = {distance = 0.1}
+reference_coordinates = {distance = 0.1}
 
 [[springs]]
 name = "tie"

@@ -141,7 +141,7 @@ def test_every_table_of_a_model_file_is_in_a_document():
 
 
 def test_every_form_of_signal_law_and_shape_is_tried():
-    families = ((signals.SIGNALS, SIGNALS), (FORCE_LAWS, LAWS), (BODY_SHAPES, SHAPES))
+    families = ((signals.SIGNAL_FORMS, SIGNALS), (FORCE_LAWS, LAWS), (BODY_SHAPES, SHAPES))
     for family, forms in families:
         known = {form.kind.__name__ for group in family.forms.values() for form in group}
         assert known == forms.keys()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from duhamel.cli import app
-from duhamel.cli.animation import size_of, told
+from duhamel.cli.commands.animate import size_of, told
 from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
 from duhamel.view import Film
 from PIL import Image

@@ -81,6 +81,8 @@ def test_tables_and_matlab_files_go_into_the_folder(runner, results_file, tmp_pa
         (["--from", "5"], "error: nothing was recorded from 5 to 0.3 s: expected times from 0 to"),
         (["--to", "vtk", "velocity:beam"], "quantities go with --to csv, found --to vtk"),
         (["--to", "mat", "--frames", "5"], "go with --to vtk, found --to mat"),
+        (["--to", "abaqus", "--until", "0.1"], "--from and --until go with --to vtk, csv or mat"),
+        (["--to", "stl"], "--to: expected one of vtk, csv, mat, abaqus, nastran, found 'stl'"),
         (["--all", "--frames", "5"], "expected one of --frames and --all"),
         (["--magnify", "nan"], "--magnify: expected a number, found nan"),
     ],

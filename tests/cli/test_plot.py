@@ -6,7 +6,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 from duhamel.cli import app
-from duhamel.cli.plot import _with_overlays
+from duhamel.cli.commands.plot import _with_overlays
 from duhamel.results import peaks
 from duhamel.solver import (
     FlexibleBody,

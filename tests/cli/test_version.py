@@ -31,7 +31,8 @@ def test_the_package_says_its_version():
 
 def test_no_word_of_help_is_taken_for_markup():
     """As a unit in brackets: "[s]" is what rich strikes through."""
-    for command in get_command(app).commands.values():
+    group = get_command(app)
+    for command in (group.get_command(None, name) for name in group.list_commands(None)):
         for text in (command.help, *(getattr(each, "help", "") for each in command.params)):
             assert Text.from_markup(text or "").plain == (text or "")
 
@@ -61,3 +62,17 @@ def test_a_full_disk_under_the_output_is_one_line(words):
         )
     assert done.returncode == 1
     assert done.stderr == ("error: standard output: cannot be written: No space left on device\n")
+
+
+def test_a_wrong_name_of_a_command_is_told_the_right_one(runner):
+    result = runner.invoke(app, ["rum"], env={"COLUMNS": "100"})
+    assert result.exit_code == 2
+    assert "Did you mean 'run'?" in result.stderr
+
+
+def test_a_command_imports_no_other():
+    code = "import sys; from duhamel.cli import app; app(['info', '--help'], standalone_mode=False)"
+    code += "; print(*(name for name in sys.modules if name.startswith('duhamel.cli.commands.')))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split()[-1] == "duhamel.cli.commands.info"
+    assert "duhamel.cli.commands.plot" not in done.stdout

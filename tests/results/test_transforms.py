@@ -1,7 +1,11 @@
 """Quantities and what is made of them, by words."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
+from duhamel.cli.commands.plot import plot
 from duhamel.results import QuantityError, Results, SeriesError, SeriesWarning, series
 from duhamel.results.transforms import STANDARD_GRAVITY, TRANSFORMS, check, parse, split
 from duhamel.results.transforms import series as evaluated
@@ -161,3 +165,9 @@ def test_every_transform_is_told_in_words(results):
         if name == "cfc":
             text = f"cfc({TIP}, 180)"
         assert check(results, text).treatment[-1]
+
+
+def test_the_page_and_the_help_name_every_transform():
+    page = Path(__file__).parents[2] / "docs" / "spectra.md"
+    for text in (page.read_text(encoding="utf-8"), plot.__doc__):
+        assert [name for name in TRANSFORMS if not re.search(rf"\b{name}\b", text)] == []

@@ -1,7 +1,8 @@
 """The blocks of the iteration matrix as a dense matrix."""
 
 import numpy as np
-from duhamel.solver.step.system import Pattern, State, System
+from duhamel.solver.step.records.matrix import Pattern
+from duhamel.solver.step.system import State, System
 
 
 def dense(pattern: Pattern, S: np.ndarray) -> np.ndarray:

@@ -175,7 +175,7 @@ def bennett(drive=None, **settings):
 def test_the_constraints_of_bennetts_linkage_are_told():
     with pytest.raises(
         ModelError,
-        match=r"joints: 20 constraints of which 3 are redundant; on one another depend J0",
+        match=r"joints: 20 constraints of which 3 are redundant; dependent constraints: J0",
     ):
         simulate(bennett())
     beginning = initialize(bennett(redundant="remove"))
@@ -276,8 +276,9 @@ def test_a_singular_start_is_refused(make, redundant):
     """What is redundant there is needed beside it: to remove it would let joints open."""
     angle = {parallelogram: 0.0, equal_slider_crank: np.pi / 2}[make]
     message = (
-        r"joints: the start is a singular pose: A \(.*\), B \(.*\), C .* depend on one another "
-        r"there, but not beside it, so that the motion from there is not determined; start"
+        r"joints: the start is a singular pose: A \(.*\), B \(.*\), C .* are dependent "
+        r"constraints there, but independent in nearby poses, so that the motion is not "
+        r"determined; start"
     )
     with pytest.raises(ModelError, match=message):
         simulate(make(angle, redundant=redundant))

@@ -138,8 +138,8 @@ CASES = {
     ),
     "a linkage beyond its reach": (
         rocker,
-        "likely cause: a singular pose, in which depend on one another A (.*), B (.*), C (.*), "
-        "D (.*); its drive asks for a pose that the mechanism cannot reach",
+        "likely cause: a singular pose, with dependent constraints A (.*), B (.*), C (.*), "
+        "D (.*); its drive requires a pose that the mechanism cannot reach",
     ),
     "a wall": (
         lambda: one(

@@ -353,9 +353,12 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
         (lambda: ShapedNoise(((5, 1), (4, 1)), 1.0), "spectrum: expected two or more pairs"),
         (lambda: Sum(()), "signals: expected a list of signals"),
         (lambda: Sum((1.0, Constant(2.0))), "signals: expected a list of signals"),
-        (lambda: Sum((Input("a"), Constant(1.0))), "a sum takes no input"),
-        (lambda: Product((Impulse(1.0, 0.0), Constant(1.0))), "a product takes no impulse"),
-        (lambda: Delayed(1.0, Sum((Impulse(1.0, 0.0),))), "a delay takes no impulse"),
+        (lambda: Sum((Input("a"), Constant(1.0))), "an input cannot be part of a sum"),
+        (
+            lambda: Product((Impulse(1.0, 0.0), Constant(1.0))),
+            "an impulse cannot be part of a product",
+        ),
+        (lambda: Delayed(1.0, Sum((Impulse(1.0, 0.0),))), "an impulse cannot be part of a delay"),
         (
             lambda: PrescribedRotation("m", "a", [0, 0, 1], Product((HalfSine(1, 1),))),
             "angle: expected a smooth signal .*, got product",

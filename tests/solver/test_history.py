@@ -109,7 +109,7 @@ def test_recursion_and_direct_sum_agree(elements, measured, rule):
 def test_blocks_and_direct_sum_agree(elements, monkeypatch, rule, block):
     """Fast path against slow path: over 25, 3 and 1 blocks."""
     direct = state(simulate(tangle(*elements, rule=rule, history="direct")))
-    monkeypatch.setattr(dyadic, "BLOCK", block)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", block)
     for found, expected in zip(
         state(simulate(tangle(*elements, rule=rule, history="fft"))), direct, strict=True
     ):
@@ -121,10 +121,10 @@ def test_memory_let_go_changes_nothing(elements, monkeypatch, history):
     """Kernels of 60 lags in windows of 128 steps, which 200 steps outrun, against a window that
     holds them all.
     """
-    monkeypatch.setattr(dyadic, "BLOCK", 8)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", 8)
     model = tangle(*(damped(element) for element in elements), history=history, kernel_length=0.06)
     short = state(simulate(model))
-    monkeypatch.setattr(dyadic, "BLOCK", 256)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", 256)
     for found, expected in zip(short, state(simulate(model)), strict=True):
         assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
@@ -152,7 +152,7 @@ def test_a_memory_too_short_is_refused(elements):
 
 def test_loads_at_rest_are_felt_beyond_any_memory(elements, monkeypatch):
     """A preload stays still though its beginning is out of the window."""
-    monkeypatch.setattr(dyadic, "BLOCK", 8)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", 8)
     model = Model(
         bodies={"a": FlexibleBody(damped(elements[0]))},
         joints=(Fixed("ground", "a.i0", name="root"),),

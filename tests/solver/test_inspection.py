@@ -19,7 +19,7 @@ from duhamel.solver import (
     check,
     simulate,
 )
-from duhamel.solver.inspection import FEW
+from duhamel.solver.inspection import MIN_STEPS_IN_PERIOD
 from duhamel.solver.signals.curves import Constant
 
 from .models import model_of
@@ -94,9 +94,9 @@ def test_a_body_without_modes_leaves_the_frequencies_unknown(beam, measured):
 
 def test_a_step_that_is_long_for_the_first_frequency_is_told(beam):
     first = check(clamped(beam.element)).frequencies[0]
-    step = 2.0 / (FEW * first)
+    step = 2.0 / (MIN_STEPS_IN_PERIOD * first)
     (warning,) = check(clamped(beam.element, step=step)).warnings
-    assert f"has {FEW / 2:.2g} steps in a period" in warning
+    assert f"has {MIN_STEPS_IN_PERIOD / 2:.2g} steps in a period" in warning
     assert check(clamped(beam.element, step=0.4 * step)).warnings == ()
 
 

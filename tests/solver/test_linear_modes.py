@@ -311,7 +311,7 @@ def test_few_modes_of_a_large_model_are_those_of_all(tmp_path, monkeypatch):
     joints = [Revolute("ground", f"{name}.root", [1, 0, 0], name=name) for name in bodies]
     linear = linearize(model_of(bodies, tuple(joints), step=1e-3))
     all_modes = linear.modes()
-    monkeypatch.setattr(modes_module, "LARGEST", 10)  # which leaves iteration
+    monkeypatch.setattr(modes_module, "MAX_DENSE_STATES", 10)  # which leaves iteration
     few = linear.modes(20)
     assert few.rigid == all_modes.rigid == 5
     np.testing.assert_allclose(few.frequencies, all_modes.frequencies[:20], rtol=1e-8)

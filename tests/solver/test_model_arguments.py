@@ -33,10 +33,10 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.couplings.joint import ABOUT_E3, TURN, JointWithAxis
+from duhamel.solver.couplings.joint import ABOUT_E3, ANGLE_ABOUT_E3, JointWithAxis
 from duhamel.solver.couplings.springs import SPRING_TYPES, SpringType
 from duhamel.solver.schema.entry import Entry, entry
-from duhamel.solver.signals.signal import SIGNALS, Pointwise
+from duhamel.solver.signals.signal import SIGNAL_FORMS, Pointwise
 
 Z = [0, 0, 1]
 ARRAYS = {
@@ -126,6 +126,7 @@ def test_settings_are_keyword_only_and_come_before_the_file():
         "output": "KEYWORD_ONLY",
         "progress": "KEYWORD_ONLY",
         "resume": "KEYWORD_ONLY",
+        "force": "KEYWORD_ONLY",
         "anyway": "KEYWORD_ONLY",
     }
     with pytest.raises(ModelError, match=re.escape("settings: expected Settings, got 'out.h5'")):
@@ -137,16 +138,16 @@ def test_settings_must_suit_the_mechanism():
     model = pendulum()
     moving = replace(model.bodies["bob"], start=Start(velocity=[0, 1, 0]))
     moving = replace(model, bodies={"bob": moving})
-    message = "body 'bob': velocity: start = 'equilibrium' takes none"
+    message = "body 'bob': velocity: start = 'equilibrium' allows none"
     with pytest.raises(ModelError, match=re.escape(message)):
         simulate(moving, Settings(t_end=0.1, step=1e-3, start="equilibrium"))
 
 
 def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
     """With the one declaration of its class."""
-    before = dict(SIGNALS.forms)
+    before = dict(SIGNAL_FORMS.forms)
 
-    @SIGNALS.in_files("decay")
+    @SIGNAL_FORMS.in_files("decay")
     @entry(eq=True)
     class Decay(Pointwise, Entry):
         decay: float
@@ -163,8 +164,8 @@ def test_a_signal_of_a_users_own_is_read_and_written(tmp_path):
         write_model(tmp_path / "model.toml", model)
         again = read_model(tmp_path / "model.toml")
     finally:
-        SIGNALS.forms.clear()
-        SIGNALS.forms.update(before)
+        SIGNAL_FORMS.forms.clear()
+        SIGNAL_FORMS.forms.update(before)
     assert [load.signal for load in again.loads] == [load.signal for load in model.loads]
     np.testing.assert_array_equal(simulate(again).body("bob").x, simulate(model).body("bob").x)
 
@@ -191,7 +192,7 @@ def test_a_joint_of_a_users_own_is_a_class():
         translations = (0, 1)
         rotations = ABOUT_E3
         free_distances = {"slide": 2}  # noqa: RUF012
-        free_angles = {"turn": TURN}  # noqa: RUF012
+        free_angles = {"turn": ANGLE_ABOUT_E3}  # noqa: RUF012
 
     Sleeve.tag = "sleeve"
     model = pendulum()

@@ -199,7 +199,7 @@ MADE = {
     ),
     "two positions": (
         lambda: Start(position=[1, 0, 0], place=Place("f", "ground")),
-        "a body starts by `place` or by `position` and `rotation`, got both",
+        "expected `place`, or `position` and `rotation`, got both",
     ),
     "a position that is no number": (
         lambda: Start(position=[np.nan, 0, 0]),
@@ -272,7 +272,7 @@ def two_pins(*others):
 
 
 STARTED = {
-    "a circle of places": (circle, "bodies a, b: they are placed on one another in a circle"),
+    "a circle of places": (circle, "bodies a, b: they are placed on one another in a cycle"),
     "an open joint": (
         lambda: model((weld("a", "b"),)),
         "joint 'weld': open by 1 m at the start: a is at [0.0, 0.0, 0.0], b at [1.0, 0.0, 0.0]",
@@ -286,11 +286,11 @@ STARTED = {
     ),
     "redundant joints": (
         lambda: model((weld("a.f", "b.f"), Revolute("a.f", "b.f", [0, 0, 1], name="again"))),
-        "joints: 11 constraints of which 5 are redundant; on one another depend weld "
+        "joints: 11 constraints of which 5 are redundant; dependent constraints: weld "
         "(translation 1, translation 2, "
         "translation 3, rotation 2, rotation 3), again (translation 1, translation 2, "
         "translation 3, rotation 1, "
-        "rotation 2); free a joint, or let redundant = 'remove' drop again (translation 1, "
+        "rotation 2); free a joint, or set redundant = 'remove' to drop again (translation 1, "
         "translation 2, "
         "translation 3, rotation 1, rotation 2)",
     ),
@@ -301,21 +301,22 @@ STARTED = {
                 Revolute("a.f", "b.f", [0, 0, 1], name="motor", angle=Harmonic(1.0, 1.0)),
             ),
         ),
-        "joints: motor (rotation 3) is driven against other constraints: on one another depend "
+        "joints: motor (rotation 3) is driven against other constraints: dependent constraints: "
         "weld (translation 1, ",
     ),
     "one constraint too many": (
         two_pins,
-        "joints: 6 constraints of which 1 is redundant; on one another depend low (translation 2), "
-        "high (translation 2); free a joint, or let redundant = 'remove' drop high (translation 2)",
+        "joints: 6 constraints of which 1 is redundant; dependent constraints: low "
+        "(translation 2), high (translation 2); free a joint, or set redundant = 'remove' to drop "
+        "high (translation 2)",
     ),
     "pins that are driven apart": (
         lambda: two_pins(
             PrescribedDisplacement("push", "b", [0, 1, 0], Polynomial((0.0, 1.0))),
             weld("ground", "a"),
         ),
-        "joints: push (translation 1) is driven against other constraints: on one another "
-        "depend low (translation 1, ",
+        "joints: push (translation 1) is driven against other constraints: dependent "
+        "constraints: low (translation 1, ",
     ),
     "no step": (
         lambda: model(step=None),
@@ -437,7 +438,7 @@ FILES = {
     ),
     "two kinds of body": (
         {"body": "superelement = 'a.h5'"},
-        "bodies.a: the superelement brings mass, inertia: give either, not both",
+        "bodies.a: the superelement already gives mass, inertia: leave these keys out",
     ),
     "no kind of body": (
         {"rest": "[bodies.b]\nmass = 1.0"},

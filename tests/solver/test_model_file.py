@@ -16,8 +16,9 @@ from duhamel.solver import (
     read_model,
     simulate,
 )
+from duhamel.solver.schema.entry import former_keys
 from duhamel.solver.schema.tables import keys_of
-from duhamel.solver.signals.drives import ANGULAR, LINEAR
+from duhamel.solver.signals.drives import ANGULAR_RATES, LINEAR_RATES
 from duhamel.superelement import write
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "file-formats.md"
@@ -81,9 +82,10 @@ def test_the_documented_file_leaves_nothing_out(tmp_path):
     assert set(text["simulation"]) == settings | {"gravity"}
     assert set(text["output"]) == set(OutputRequest.__dataclass_fields__)
     keys = set().union(*text["joints"])
-    drives = set(LINEAR) | set(ANGULAR)
+    drives = set(LINEAR_RATES) | set(ANGULAR_RATES)
     fields = {name for joint in JOINTS.values() for name in keys_of(joint)}
-    assert keys == {"type", *fields} - drives
+    former = {name for joint in JOINTS.values() for name in former_keys(joint)}
+    assert keys == {"type", *fields} - drives - former
     section = DOCUMENT.read_text().split("### Drives")[1].split("\n\n    ")[0]
     assert all(f"`{key}`" in section for key in drives)
     assert set(text["bodies"]["hub"]) >= set(RigidBody.__dataclass_fields__) - {"start"}

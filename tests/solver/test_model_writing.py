@@ -187,7 +187,7 @@ def everything(random_element, tmp_path):
         driven = [only[name]] if name in only else sorted(smooth.keys() & vars(kind).keys())
         given = given | {drive: smooth[drive] for drive in driven}
         given |= {"lead": 0.02} if name == "screw" else {}
-        given |= {"drawn": {"angle": 0.25}} if name == "cylindrical" else {}
+        given |= {"reference_coordinates": {"angle": 0.25}} if name == "cylindrical" else {}
         if name == "planar":
             given["start"] = {"angle": 1.0 / 3.0}
         joints.append(JOINTS[name](f"b{k}.f", f"b{k + 1}.g", name=name, **given))
@@ -259,7 +259,7 @@ def test_a_model_of_everything_comes_back_exactly(everything, tmp_path):
     assert {spring.type for spring in everything.springs} == set(SPRING_TYPES)
     assert {type(motion) for motion in everything.motions} == set(PrescribedMotion.__subclasses__())
     assert {load.tag for load in everything.loads} == set(LOADS)
-    known = {form.kind for forms in signals.SIGNALS.forms.values() for form in forms}
+    known = {form.kind for forms in signals.SIGNAL_FORMS.forms.values() for form in forms}
     assert {type(load.signal) for load in everything.loads} == known | {Constant}
     default = Settings(t_end=1.0)
     for field in fields(Settings):

@@ -12,10 +12,10 @@ from duhamel.solver import (
     Frame,
     Input,
     Model,
-    Moment,
     Place,
     Revolute,
     RigidBody,
+    SavedState,
     Settings,
     Simulator,
     Spline,
@@ -32,9 +32,9 @@ OUTPUTS = ("frames/beam.tip/position", "joints/pivot/angle", "energy/work", "ene
 
 @pytest.fixture(autouse=True)
 def _small_blocks(monkeypatch):
-    monkeypatch.setattr("duhamel.solver.history.dyadic.BLOCK", 8)
-    monkeypatch.setattr("duhamel.solver.simulator.AHEAD", 16)
-    assert uniform.dyadic.BLOCK == 8
+    monkeypatch.setattr("duhamel.solver.history.dyadic.DIRECT_STEPS", 8)
+    monkeypatch.setattr("duhamel.solver.simulator.STEPS_AHEAD", 16)
+    assert uniform.dyadic.DIRECT_STEPS == 8
 
 
 def rotor(element, **settings):
@@ -92,7 +92,7 @@ def test_a_state_in_a_file_serves_another_simulator(coarse, history, tmp_path):
     simulator.save().write(path)
     rows = [simulator.step(torque(n)) for n in range(44, STEPS + 1)]
     other = Simulator(model, OUTPUTS)
-    other.restore(Moment.read(path))
+    other.restore(SavedState.read(path))
     for n, row in enumerate(rows, start=44):
         np.testing.assert_array_equal(other.step(torque(n)), row)
     assert [entry.name for entry in tmp_path.iterdir()] == ["moment.h5"]
@@ -114,7 +114,7 @@ def test_a_failed_step_can_be_taken_again_from_a_saved_state(coarse):
 def test_a_state_of_another_model_is_refused_by_the_key(coarse, tmp_path):
     model = rotor(coarse)
     Simulator(model, OUTPUTS).save().write(tmp_path / "moment.h5")
-    moment = Moment.read(tmp_path / "moment.h5")
+    moment = SavedState.read(tmp_path / "moment.h5")
     heavier = RigidBody(0.02, [0.006, 0.007, 0.01], model.bodies["hub"].frames)
     changed = {
         "bodies.hub.mass: was 0.01, is 0.02": replace(

@@ -1,5 +1,7 @@
 """Rods, points on lines and planes, shafts at an angle, attitudes, zeros and names."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from duhamel.solver import (
@@ -356,7 +358,7 @@ def test_coordinates_are_measured_from_where_the_bodies_are_drawn():
     start = {"angle": 0.2, "angle_rate": 3.0, "distance": -0.1}
     plain = simulate(pendulum(start=start))
     moved = {"angle": 40.2, "angle_rate": 3.0, "distance": 5.0}
-    other = simulate(pendulum(start=moved, drawn={"angle": 40.0, "distance": 5.0}))
+    other = simulate(pendulum(start=moved, reference_coordinates={"angle": 40.0, "distance": 5.0}))
     np.testing.assert_allclose(other.joint("p").angle, plain.joint("p").angle + 40.0, atol=1e-12)
     np.testing.assert_allclose(other.joint("p").distance, plain.joint("p").distance + 5.1)
     np.testing.assert_allclose(other.body("bob").x, plain.body("bob").x, atol=1e-12)
@@ -365,7 +367,7 @@ def test_coordinates_are_measured_from_where_the_bodies_are_drawn():
 def test_a_drive_that_starts_elsewhere_than_drawn_moves_the_body_there():
     """Also by more than half a turn, and along the axis."""
     drives = {"angle": Constant(2.9), "distance": Constant(0.3)}
-    run = simulate(pendulum(drawn={"angle": -1.0, "distance": 0.0}, **drives))
+    run = simulate(pendulum(reference_coordinates={"angle": -1.0, "distance": 0.0}, **drives))
     np.testing.assert_allclose(run.joint("p").angle, 2.9, atol=1e-12)
     turned = Rotation.from_rotvec([0, 0, 3.9]).apply([0, -0.5, 0])
     np.testing.assert_allclose(run.body("bob").x[-1], turned + np.array([0, 0, 0.3]), atol=1e-12)
@@ -373,18 +375,40 @@ def test_a_drive_that_starts_elsewhere_than_drawn_moves_the_body_there():
 
 def test_an_angle_of_a_universal_joint_is_measured_from_where_it_is_drawn():
     axes = ([1, 0, 0], [0, 1, 0])
-    drawn = {"angle": 0.5, "second_angle": -0.25}
+    placed = {"angle": 0.5, "second_angle": -0.25}
     drive = {"second_angle": Constant(1.75)}
-    joint = Universal("ground", "b", *axes, name="u", drawn=drawn, **drive)
+    joint = Universal("ground", "b", *axes, name="u", reference_coordinates=placed, **drive)
     run = simulate(Model({"b": stone()}, [joint], settings=settings(t_end=0.01)))
     np.testing.assert_allclose(run.joint("u").second_angle, 1.75, atol=1e-12)
     R = Rotation.from_quat(run.body("b").R[0], scalar_first=True)
     assert abs(R.magnitude() - 2.0) < 1e-12
 
 
-def test_drawn_names_a_coordinate():
-    with pytest.raises(ModelError, match="drawn: a revolute joint takes angle, got 'distance'"):
-        Revolute("ground", "b", [0, 0, 1], name="j", drawn={"distance": 1.0})
+def test_drawn_is_read_as_the_former_name_of_reference_coordinates(tmp_path):
+    former = Revolute("ground", "b", [0, 0, 1], name="j", drawn={"angle": 0.5})
+    assert former.reference_coordinates == former.drawn == {"angle": 0.5}
+    changed = replace(former, reference_coordinates={"angle": 0.25})
+    assert changed.reference_coordinates == {"angle": 0.25}
+    path = tmp_path / "model.toml"
+    write_model(pendulum(reference_coordinates={"angle": 0.5}), path)
+    written = path.read_text()
+    assert "reference_coordinates" in written
+    assert "drawn" not in written
+    path.write_text(written.replace("reference_coordinates", "drawn"))
+    assert read_model(path).joints[0].reference_coordinates == {"angle": 0.5}
+
+
+def test_a_field_by_its_former_name_and_its_present_one_is_an_error():
+    both = {"drawn": {"angle": 0.5}, "reference_coordinates": {"angle": 0.25}}
+    with pytest.raises(ModelError, match="drawn is the former name of reference_coordinates"):
+        Revolute("ground", "b", [0, 0, 1], name="j", **both)
+
+
+def test_reference_coordinates_name_a_coordinate():
+    with pytest.raises(
+        ModelError, match="reference_coordinates: a revolute joint takes angle, got 'distance'"
+    ):
+        Revolute("ground", "b", [0, 0, 1], name="j", reference_coordinates={"distance": 1.0})
 
 
 def test_a_screw_needs_a_lead():
@@ -480,7 +504,7 @@ def test_a_driven_ball_joint_follows_functions():
 def test_new_joints_are_written_and_read(tmp_path):
     angles = [Constant(0.5), Harmonic(1, 2), Constant(0.0)]
     joints = [
-        Screw("ground", "b", [0, 0, 1], name="a", lead=0.02, drawn={"angle": 1.0}),
+        Screw("ground", "b", [0, 0, 1], name="a", lead=0.02, reference_coordinates={"angle": 1.0}),
         Spherical("b", "c", name="b", cardan_angles=angles),
     ]
     coupler = Coupler("m", "linear", ["a.angle", "a.distance"], ratios=[1, 2], offset=Constant(3.0))
@@ -488,6 +512,6 @@ def test_new_joints_are_written_and_read(tmp_path):
     write_model(tmp_path / "model.toml", model)
     again = read_model(tmp_path / "model.toml")
     assert again.joints[1].cardan_angles == model.joints[1].cardan_angles
-    assert again.joints[0].drawn == {"angle": 1.0}
+    assert again.joints[0].reference_coordinates == {"angle": 1.0}
     assert again.joints[0].lead == 0.02
     assert again.couplers[0].offset == Constant(3.0)

@@ -390,6 +390,6 @@ def test_a_motion_that_starts_elsewhere_is_refused():
         PrescribedRotation("turn", "body", [1, 0, 0], Constant(0.5))
     with pytest.raises(
         ModelError,
-        match=r"motion 'shake': displacement: .* got 0.5: .*an offset of -0.5 would make",
+        match=r"motion 'shake': displacement: .* got 0.5: .*add an offset of -0.5",
     ):
         PrescribedDisplacement("shake", "body", [1, 0, 0], Constant(0.5))

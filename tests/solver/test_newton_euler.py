@@ -43,7 +43,8 @@ LEAST = (0.0, 0.0, 0.01, 0.01, 0.0)
 """scales of those that hardly move"""
 SIZE = 0.3
 """of a mechanism [m], the scale of positions"""
-FEW = (1, 9, 16, 29)
+FEW = (1, 9, 16, 17, 29)
+"""17 has a torsion spring in a closed loop"""
 MANY = range(200)
 PLANAR = ("revolute", "prismatic", "planar")
 SLIDING = ("cylindrical", "prismatic", "screw", "point_on_line")
@@ -335,7 +336,7 @@ def test_two_hundred_random_mechanisms_move_as_newton_and_euler_say():
     the run says so.
     """
     answers = {seed: compare(seed) for seed in MANY}
-    refused = {seed for seed, answer in answers.items() if "on one another depend" in answer}
+    refused = {seed for seed, answer in answers.items() if "dependent constraints" in answer}
     wrong = {seed: answer for seed, answer in answers.items() if answer and seed not in refused}
     silent = {seed: wrong[seed] for seed in wrong if not says_that_its_step_is_too_large(seed)}
     print(f"{len(answers)} mechanisms, {len(refused)} refused, {len(wrong)} too sudden")

@@ -74,14 +74,16 @@ def whole(whole_file):
     return datasets(whole_file)
 
 
-@pytest.mark.parametrize(("every", "numbers"), [(7, recorder.NUMBERS), (7, 1), (1, 1), (1000, 1)])
+@pytest.mark.parametrize(
+    ("every", "numbers"), [(7, recorder.BUFFER_NUMBERS), (7, 1), (1, 1), (1000, 1)]
+)
 def test_what_is_recorded_is_what_a_whole_record_holds_there(
     every, numbers, model, whole, tmp_path, monkeypatch
 ):
     """To the last bit, energies, balances and angles over full turns included, however many rows
     wait to be written.
     """
-    monkeypatch.setattr(recorder, "NUMBERS", numbers)
+    monkeypatch.setattr(recorder, "BUFFER_NUMBERS", numbers)
     path = tmp_path / "thinned.h5"
     simulate(model.with_settings(output=OutputRequest(every)), output=path)
     thinned = datasets(path)

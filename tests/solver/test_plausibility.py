@@ -38,7 +38,7 @@ from duhamel.solver import (
     Table,
     ValidityWarning,
     check,
-    doubts,
+    plausibility_warnings,
     simulate,
 )
 from duhamel.solver.couplings.impact import Impact
@@ -54,7 +54,7 @@ def model(hub=BALL, **changes):
 
 
 def told(model, severe=None):
-    found = doubts(model)
+    found = plausibility_warnings(model)
     if severe is not None:
         assert all(doubt.severe == severe for doubt in found)
     return [doubt.text for doubt in found]
@@ -107,7 +107,10 @@ def test_gravity_in_other_units_is_doubted(gravity, unit):
             "joints.pivot.angle.amplitude",
             lambda a: {"joints": [replace(HINGE, angle=Harmonic(a, 5.0))]},
         ),
-        ("joints.pivot.drawn.angle", lambda a: {"joints": [replace(HINGE, drawn={"angle": a})]}),
+        (
+            "joints.pivot.reference_coordinates.angle",
+            lambda a: {"joints": [replace(HINGE, reference_coordinates={"angle": a})]},
+        ),
         (
             "motions.m.angle.amplitude",
             lambda a: {"motions": [PrescribedRotation("m", "hub", [0, 0, 1], Harmonic(a, 5.0))]},
@@ -299,7 +302,7 @@ def test_a_body_with_one_interface_at_its_center_raises_none(random_element):
 
 def test_check_tells_the_doubts_among_its_warnings():
     asked = model(gravity=[0, 0, -9810])
-    assert doubts(asked)[0].text in check(asked).warnings
+    assert plausibility_warnings(asked)[0].text in check(asked).warnings
 
 
 @pytest.mark.parametrize("run", [simulate, lambda model: Simulator(model, [])])

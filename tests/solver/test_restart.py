@@ -53,7 +53,7 @@ HISTORIES = ("recursive", "fft", "direct")
 
 @pytest.fixture(autouse=True)
 def _small_blocks(monkeypatch):
-    monkeypatch.setattr("duhamel.solver.history.dyadic.BLOCK", 8)
+    monkeypatch.setattr("duhamel.solver.history.dyadic.DIRECT_STEPS", 8)
 
 
 def machine(element, steps=STEPS, every=1, **settings):
@@ -386,7 +386,7 @@ def changed(model, arm=None, beam=None, torque=None, **values):
 def test_a_changed_model_is_accepted_anyway_where_it_has_the_same_unknowns(coarse, tmp_path):
     model, path = machine(coarse, 20), tmp_path / "out.h5"
     in_parts(model, path, 10)
-    results = simulate(changed(model, torque=3.0), output=path, resume=True, anyway=True)
+    results = simulate(changed(model, torque=3.0), output=path, resume=True, force=True)
     assert len(results.time) == 21
     in_parts(model, path, 10)
     with pytest.raises(StateError, match=r"expected float64 .*found"):
@@ -483,7 +483,7 @@ def test_an_earlier_state_stays_where_a_new_one_cannot_be_written(coarse, tmp_pa
         simulate(model.with_settings(checkpoint={"every": 5}), output=path)
     assert read_state(state).snapshot.step == 0
     monkeypatch.undo()
-    monkeypatch.setattr("duhamel.solver.history.dyadic.BLOCK", 8)
+    monkeypatch.setattr("duhamel.solver.history.dyadic.DIRECT_STEPS", 8)
     simulate(model, output=path, resume=True)
     simulate(model, output=tmp_path / "whole.h5")
     assert_same(path, tmp_path / "whole.h5")

@@ -79,7 +79,9 @@ def test_it_is_where_a_damped_motion_ends(element):
 
 def test_what_the_spin_tears_apart_has_no_equilibrium(element):
     steady = {"start": "equilibrium", "steady_rotation": SteadyRotation(2e3 * AXIS)}
-    with pytest.raises(ModelError, match=r"start = 'equilibrium': none found, .* is body 'a'"):
+    with pytest.raises(
+        ModelError, match=r"start = 'equilibrium': none found, .* is that of body 'a'"
+    ):
         simulate(held(element, "spherical", **steady))
 
 

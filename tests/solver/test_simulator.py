@@ -95,7 +95,7 @@ def test_partitions_of_the_past_give_the_direct_sum(block, coarse, monkeypatch):
     """Blocks of 4, 8 and 16 of 60 steps; with kernels that end after 27 steps, loads are let go of
     besides.
     """
-    monkeypatch.setattr(dyadic, "BLOCK", block)
+    monkeypatch.setattr(dyadic, "DIRECT_STEPS", block)
     damped = replace(coarse.modes, zeta=np.full(len(coarse.modes.omega), 0.5))
     soft = replace(coarse, modes=damped, compliance=damped.compliance)
     values = values_at(range(STEPS + 1))

@@ -143,7 +143,7 @@ def test_small_and_large_models_start_alike(monkeypatch, tmp_path):
     """By numpy's dense matrices and by scipy's sparse ones."""
     model = replace(four_bar(tmp_path), gravity=[0, -9.81, 0])
     dense = initialize(model)
-    monkeypatch.setattr(matrices, "SMALL", 0)
+    monkeypatch.setattr(matrices, "MAX_DENSE_UNKNOWNS", 0)
     sparse = initialize(model)
     assert dense.degrees_of_freedom == sparse.degrees_of_freedom
     for a, b in zip(dense.state.arrays(), sparse.state.arrays(), strict=True):

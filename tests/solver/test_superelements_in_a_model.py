@@ -191,7 +191,7 @@ def test_a_rigid_superelement_moves_as_the_rigid_body_of_its_mass(tmp_path):
             "second_order belongs to flexible bodies, found rigid",
         ),
         ("rigid = 1", "bodies.upper.rigid: .* found 1"),
-        ("rigid = true\nmass = 1.0", "the superelement brings mass"),
+        ("rigid = true\nmass = 1.0", "the superelement already gives mass"),
     ],
 )
 def test_what_a_rigid_superelement_cannot_have_is_refused(tmp_path, keys, message):

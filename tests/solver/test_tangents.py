@@ -70,7 +70,7 @@ EVERY_JOINT = {
     },
     "rod": {},
     "driven rod": {"distance": Polynomial((0.6, 0.4))},
-    "screw": {"axis": AXIS, "lead": 0.7, "drawn": {"distance": 0.3}},
+    "screw": {"axis": AXIS, "lead": 0.7, "reference_coordinates": {"distance": 0.3}},
     "driven screw": {"axis": AXIS, "lead": -0.7, "angle": Harmonic(0.8, 1.0, 0.5)},
     "constant_velocity": {"axis": AXIS, "second_axis": BENT},
     "point_on_line": {"axis": AXIS},

@@ -38,7 +38,7 @@ from duhamel.solver import (
     start,
 )
 from duhamel.solver.lower.allocation import make_output
-from duhamel.solver.output.validity import Judge
+from duhamel.solver.output.validity import ValidityMonitor
 from duhamel.solver.simulation import signals
 from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.extremes import follow_extremes
@@ -503,7 +503,7 @@ def test_turns_that_the_rate_cannot_count_are_warned_of():
     run = Run(system=lowered.system, state=state, work=initial.work, output=output)
     state.observers.rate[:] = 4.0 / H
     advance(run, signals(lowered, 1, np.full(1, -1)))
-    validity = Judge(lowered).validity(state, 1)
+    validity = ValidityMonitor(lowered).validity(state, 1)
     assert validity.values("missed_turn") == {"hinge.angle": pytest.approx(2.0)}
     assert validity.warnings == (
         "angle 'hinge.angle': joint angle increment minus rate prediction: 2 rad (limit < 1.57 rad)"

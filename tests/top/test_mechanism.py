@@ -176,6 +176,16 @@ def test_pictures_are_saved_and_shown_in_notebooks(element, tmp_path):
     assert [peak.quantity for peak in run.peaks("hinge.angle")] == ["coordinate:hinge:angle"]
 
 
+def test_a_mechanism_is_drawn_at_its_start(element, tmp_path):
+    pytest.importorskip("pyvista")
+    m = pendulum(element)
+    assert m.draw(tmp_path / "start.png").stat().st_size > 5_000
+    shown = m._repr_html_()
+    assert shown.startswith('<img src="data:image/png;base64,')
+    assert "rod" in shown
+    assert du.Mechanism()._repr_html_() == "<p>Mechanism without bodies</p>"
+
+
 def test_linear_analyses_are_those_of_the_model(element):
     m = du.Mechanism()
     rod = m.add(element, name="rod")

@@ -144,3 +144,12 @@ def test_what_cannot_be_a_part_is_one_line(make, message):
         make()
     assert message in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+def test_a_part_is_drawn_with_its_interfaces(tmp_path):
+    part = bar()
+    picture = part.draw()
+    assert picture.save(tmp_path / "bar.png").stat().st_size > 10_000
+    words = {text.get_text() for axes in picture.figure.axes for text in axes.texts}
+    assert {"root", "tip"} <= words
+    assert part._repr_html_().startswith("<p>&lt;Part &#x27;bar&#x27; on mesh in memory")

@@ -2,10 +2,10 @@
 places.
 """
 
-import matplotlib
 import numpy as np
 import pytest
 from duhamel import view
+from duhamel.view.field_kinds import COLOR_MAP
 from duhamel.view.fields import TRIANGLES, _triangles
 
 SQUARE = np.array(
@@ -63,5 +63,5 @@ def test_largest_values_are_hot_and_the_bar_is_labelled():
     assert bar.get_title(loc="left") == "stress [MPa]"
     faces = figure.axes[0].collections[0].get_facecolors()[:, :3]
     hues = np.unique(np.round(faces / faces.max(axis=1, keepdims=True), 6), axis=0)
-    ends = np.array([matplotlib.colormaps["turbo"](end)[:3] for end in (0.0, 1.0)])
+    ends = np.array([COLOR_MAP(end)[:3] for end in (0.0, 1.0)])
     np.testing.assert_allclose(hues, ends / ends.max(axis=1, keepdims=True), atol=1e-6)

@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 
-from ..field_kinds import FIELDS
+from ..field_kinds import scale_of
 from .markup import Markup, element, joined, note
 from .motion import Motion
-from .numbers import counted, prefixed, seconds, short, vector
-from .scene import GROUPS, body_colors, cameras, color_bar, largest_value, square
+from .numbers import counted, seconds, short, vector
+from .scene import cameras, color_bar, placed, square
 from .still import still
 
 SPEEDS = (("× 1/20", 0.05), ("× 1/5", 0.2), ("× 1/2", 0.5), ("× 1", 1.0), ("× 2", 2.0))
@@ -57,14 +57,15 @@ def remarks(motion: Motion) -> list[str]:
         f"At × 1 the {length} of motion take {duration(motion):.3g} s. "
         f"The squares of the grid, in the plane of x and y, are {square(motion):g} m wide."
     ]
-    if motion.magnification != 1.0:
+    stage = motion.deforming
+    if stage.magnification != 1.0:
         lines.append(
-            f"Elastic deformations are drawn {motion.magnification:g} times as large as they are; "
+            f"Elastic deformations are drawn {stage.magnification:g} times as large as they are; "
             f"so bodies may seem to leave their joints."
         )
     lines.append(
         f"Shown: {counted(len(motion.time), 'instant')} of {motion.recorded} recorded"
-        + (f", deformations at {len(motion.deforming)} of them" if _deforms(motion) else "")
+        + (f", deformations at {len(stage.times)} of them" if _deforms(motion) else "")
         + f", straight between them; {drawn} of {whole} points of the bodies, rounded to 1/16000 "
         f"of their size."
     )
@@ -76,9 +77,9 @@ def remarks(motion: Motion) -> list[str]:
         )
     if motion.origin.any():
         lines.append(f"Coordinates are from {vector(motion.origin)} m.")
-    lines += [f"No colors: {reason}" for reason in motion.failed[:5]]
-    lines += [f"Elastic motion: {remark}." for remark in motion.remarks[:5]]
-    if motion.field:
+    lines += [f"No colors: {reason}" for reason in [*stage.untold.values()][:5]]
+    lines += [f"Elastic motion: {remark}." for remark in stage.remarks[:5]]
+    if stage.field:
         lines.append("Colors end at the largest value of what is shown; peaks of all steps: below.")
     return lines
 
@@ -89,17 +90,16 @@ def _deforms(motion: Motion) -> bool:
 
 def _bar(motion: Motion) -> Markup | str:
     """The scale of colors, with its unit."""
-    largest = largest_value(motion)
-    if not motion.field or largest <= 0.0:
+    field, largest = motion.deforming.field, motion.largest
+    if not field or largest <= 0.0:
         return ""
-    words, unit = FIELDS[motion.field]
-    prefix, factor = prefixed(largest)
+    scale = scale_of(field, largest)
     parts = (1.0, 0.75, 0.5, 0.25, 0.0)
-    ticks = [element("span", short(largest * part / factor, 3)) for part in parts]
+    ticks = [element("span", short(largest * part / scale.factor, 3)) for part in parts]
     gradient = f"background:linear-gradient({','.join(color_bar())})"
     return element(
         "div",
-        element("div", f"{words} [{prefix}{unit}]", class_="of"),
+        element("div", f"{scale.words} [{scale.unit}]", class_="of"),
         element("div", class_="scale", style=gradient),
         element("div", *ticks, class_="ticks"),
         id="bar",
@@ -117,7 +117,7 @@ def _controls(motion: Motion) -> Markup:
         for text, value in SPEEDS
     ]
     views = [
-        element("button", name, type="button", data_camera=json.dumps(camera))
+        element("button", name, type="button", data_camera=json.dumps(placed(camera)))
         for name, camera in cameras(motion).items()
     ]
     return element(
@@ -134,16 +134,11 @@ def _controls(motion: Motion) -> Markup:
 
 def _legend(motion: Motion) -> Markup:
     """Colors of bodies that have no field, and of marks."""
-    items = [
-        _item(shape.name, color)
-        for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True)
-        if shape.values is None
-    ]
+    items = [_item(shape.name, shape.color) for shape in motion.shapes if shape.values is None]
     if len(items) > MOST_NAMED:
         more = element("li", f"and {len(items) - MOST_NAMED} more bodies")
         items = [*items[:MOST_NAMED], more]
-    groups = dict.fromkeys(mark.group for mark in motion.marks)
-    items += [_item(group, GROUPS[group]) for group in groups if group in GROUPS]
+    items += [_item(kind, color) for kind, color in motion.moving.legend]
     return element("ul", *items, class_="bodies")
 
 

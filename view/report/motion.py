@@ -1,20 +1,22 @@
 """What the animation of a report shows: instants, bodies, how far they deform, marks."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from ...results import Results
-from ...results.rotations import rotate
-from ...results.steps import batches, evenly
+from ...results.steps import evenly
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
-from ..space.bodies import Body, bodies_on_stage
-from ..space.marks import Mark as StageMark
-from ..space.marks import Placing, shapes_of
-from ..space.stage import chosen_field, chosen_magnification, colored, size_of, unknown
-from ..space.tracks import Tracks
-from .simplify import IntArray, simplified
+from ..camera import Fitting
+from ..scene import tint
+from ..space.bodies import Body
+from ..space.film import gravity_of
+from ..space.stage import NO_FIELD, Stage
+from .simplify import simplified
 
 MOST_POINTS = 12_000
 """of all deforming surfaces"""
@@ -28,21 +30,25 @@ FRAMES, MOST_FRAMES = 121, 2001
 """instants of a slow motion, and of any"""
 TURN = 0.2
 """of a body between instants, if there can be so many [rad]"""
-AT_ONCE = 3_000_000
-"""points of a body, times instants, that are in memory"""
+FAR_AWAY = 100.0
+"""distance from the origin over the size of the model, from which on positions are rounded too
+much in single precision"""
+MARK_SAMPLES = 61
+"""instants at which marks are looked for by the camera"""
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
     """A body of the animation.
 
-    points (m, 3): at rest, in body axes [m]; triangles, lines: of them; poses (k, 4, 4): into
-    space, less the origin of the animation, at the instants of motion; u (f, m, 3): enlarged, in
-    body axes, at the instants of deformation, None where it is rigid; values (f, m): of the field,
-    None where there is none.
+    color: where it has no values; points (m, 3): at rest, in body axes [m]; triangles, lines: of
+    them; poses (k, 4, 4): into space, less the origin of the animation, at the instants of motion;
+    u (f, m, 3): enlarged, in body axes, at the instants of deformation, None where it is rigid;
+    values (f, m): of the field, None where there is none.
     """
 
     name: str
+    color: str
     points: Array
     triangles: IntArray
     lines: IntArray
@@ -52,39 +58,60 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class Mark:
-    """What acts between two frames: their positions (k, 2, 3) at the instants of motion [m]."""
-
-    name: str
-    group: str
-    type: str
-    positions: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Motion:
     """The bodies and marks of an animation, and what there is to say of it.
 
-    surroundings: the shapes that contacts touch, whose poses stretch them too;
-    time (k,) [s]: the instants of motion; deforming (f,): those of deformation; origin (3,) [m];
-    turn: largest angle between two instants [rad]; points: (drawn, of the bodies); field: of the
-    colors, "" where no body has one; failed: why bodies have none; remarks: where deformation is
-    not that of the mesh.
+    moving: the stage at the instants of motion (k,), with marks; deforming: the same at those of
+    deformation (f,), with the field; origin (3,) [m]; named: names of couplings with the places
+    (k, 3) of their first frames [m]; gravity (3,), if there is any; turn: largest angle between two
+    instants [rad]; recorded: instants of the run.
     """
 
-    time: Array
-    deforming: Array
+    moving: Stage
+    deforming: Stage
     origin: Array
     shapes: Sequence[Shape]
-    marks: Sequence[Mark]
-    magnification: float
+    named: Sequence[tuple[str, Array]]
+    gravity: Array | None
     turn: float
-    points: tuple[int, int]
-    field: str
-    failed: Sequence[str]
     recorded: int
-    remarks: Sequence[str]
-    surroundings: Sequence[Shape] = ()
+
+    @property
+    def time(self) -> Array:
+        """The instants of motion (k,) [s]."""
+        return self.moving.times
+
+    @property
+    def points(self) -> tuple[int, int]:
+        """Points that are drawn, and those of the bodies."""
+        drawn = sum(len(shape.points) for shape in self.shapes)
+        return drawn, sum(len(body.X) for body in self.moving.bodies)
+
+    @cached_property
+    def largest(self) -> float:
+        """The end of the scale of the field, for all bodies and instants."""
+        fields = [shape.values for shape in self.shapes if shape.values is not None]
+        return max((float(values.max(initial=0.0)) for values in fields), default=0.0)
+
+    @cached_property
+    def reached(self) -> list[Array]:
+        """Points (n, p, 3) of boxes around bodies, and of marks: all is between them [m]."""
+        some = slice(None, None, len(self.time) // MARK_SAMPLES + 1)
+        boxes = [_corners(shape) for shape in self.shapes if len(shape.points)]
+        return [*boxes, *(mark.position(some) - self.origin for mark in self.moving.marks)]
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """The box that holds all bodies at all times (3,), (3,) [m], with some room."""
+        fitting = Fitting(np.eye(3))
+        for points in self.reached:
+            fitting.take(points)
+        low, high = fitting.box
+        if not np.isfinite(low).all():
+            return -np.ones(3), np.ones(3)
+        least = 0.02 * float(np.linalg.norm(high - low)) + 1e-12
+        thin = np.maximum(least - (high - low), 0.0)
+        return low - 0.5 * thin, high + 0.5 * thin
 
 
 def motion(
@@ -99,57 +126,30 @@ def motion(
     if not names or not len(time):
         return None
     rows, turn = _instants(results, time, len(names))
-    moving = sum(_points(results, name) for name in names if _is_flexible(results, name))
-    frames = min(len(rows), POINT_FRAMES // min(moving, MOST_POINTS), 4 * FRAMES) if moving else 2
-    deforming = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
-    bodies = bodies_on_stage(results, Tracks(results, deforming))
-    chosen = chosen_field(bodies, field or None)
-    failed = unknown(bodies, chosen) if chosen else {}
-    shown = {body.name for body in colored(bodies, chosen)} - set(failed) if chosen else set()
-    parts = batches(len(deforming), _at_once(bodies))
-    magnification = chosen_magnification(bodies, parts)
-    origin = _origin(results, names)
+    flexible = [name for name in names if results.outline_source(name) != "rigid"]
+    points = sum(len(results.outline(name).points) for name in flexible)
+    frames = min(len(rows), POINT_FRAMES // min(points, MOST_POINTS), 4 * FRAMES) if points else 2
+    instants = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
+    deforming = Stage(results, instants, field or None, marks=False)
+    moving = Stage(results, time[rows], NO_FIELD, deforming.magnification)
+    far = float(np.linalg.norm(moving.middle)) > FAR_AWAY * moving.size
+    origin = np.round(moving.middle, 3) if far else np.zeros(3)
     shapes = []
-    for body in bodies:
-        numbers, triangles = _surface(body, bodies)
-        shapes.append(
-            Shape(
-                body.name,
-                body.X[numbers],
-                triangles,
-                body.outline.lines,
-                _poses(results, body.name, rows, origin),
-                _deformed(body, numbers, parts, magnification),
-                _values(body, numbers, parts, chosen) if body.name in shown else None,
-            )
-        )
+    for number in range(len(moving.bodies)):
+        shapes.append(_shape(moving, deforming, number, origin))
         if on_body is not None:
             on_body()
-    tracks = Tracks(results, time[rows])
-    placing = Placing(tracks, bodies_on_stage(results, tracks), magnification)
-    return Motion(
-        time[rows],
-        deforming,
-        origin,
-        shapes,
-        [*_marks(results, placing, origin)],
-        magnification,
-        turn,
-        (sum(len(shape.points) for shape in shapes), sum(len(body.X) for body in bodies)),
-        chosen,
-        tuple(failed.values()),
-        len(time),
-        [remark for body in bodies if (remark := results.outline_remark(body.name))],
-        [_around(mark, origin) for mark in shapes_of(results, placing, size_of(bodies))],
-    )
+    ends = ((c.name, moving.placing.ends(c)) for c in results.couplings)
+    named = [(name, found[0] - origin) for name, found in ends if found is not None]
+    gravity = gravity_of(results)
+    return Motion(moving, deforming, origin, shapes, named, gravity, turn, len(time))
 
 
-def _around(mark: StageMark, origin: Array) -> Shape:
-    """The shape of a contact at all instants."""
-    poses = np.zeros((len(mark.x), 4, 4))
-    poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = mark.A, mark.x - origin, 1.0
-    glyph = mark.glyph
-    return Shape(mark.color, glyph.points, glyph.triangles, glyph.lines, poses)
+def poses(x: Array, A: Array) -> Array:
+    """Homogeneous matrices (k, 4, 4) that turn and stretch by A (k, 3, 3), and move by x (k, 3)."""
+    whole = np.zeros((len(x), 4, 4))
+    whole[:, :3, :3], whole[:, :3, 3], whole[:, 3, 3] = A, x, 1.0
+    return whole
 
 
 def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, float]:
@@ -165,6 +165,30 @@ def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, f
     return rows, float(np.diff(turned[rows]).max(initial=0.0))
 
 
+def _shape(moving: Stage, deforming: Stage, number: int, origin: Array) -> Shape:
+    body, parts = deforming.bodies[number], deforming.rows
+    kept, triangles = _surface(body, deforming.bodies)
+    u = values = None
+    if body.flexible:
+        moved = (body.displacement(rows, deforming.magnification)[:, kept] for rows in parts)
+        u = np.concatenate(list(moved))
+    if body in deforming.told:
+        found = (body.values(rows, deforming.field)[:, kept] for rows in parts)
+        values = np.nan_to_num(np.concatenate(list(found)))
+    track = moving.bodies[number].track
+    R = np.stack([track.turned(axis) for axis in np.eye(3)], axis=-1)
+    return Shape(
+        body.name,
+        to_hex(tint(number)),
+        body.X[kept],
+        triangles,
+        body.outline.lines,
+        poses(track.position - origin, R),
+        u,
+        values,
+    )
+
+
 def _surface(body: Body, bodies: Sequence[Body]) -> tuple[IntArray, IntArray]:
     """The points that are drawn of a body, and its triangles."""
     outline = body.outline
@@ -176,66 +200,11 @@ def _surface(body: Body, bodies: Sequence[Body]) -> tuple[IntArray, IntArray]:
     return simplified(body.X, outline.triangles, share)
 
 
-def _points(results: Results, name: str) -> int:
-    return len(results.outline(name).points)
-
-
-def _is_flexible(results: Results, name: str) -> bool:
-    return results.outline_source(name) != "rigid"
-
-
-def _at_once(bodies: Sequence[Body]) -> int:
-    """Instants of which the displacements of any body are in memory at once."""
-    return AT_ONCE // max(1, *(len(body.X) for body in bodies))
-
-
-def _deformed(
-    body: Body, numbers: IntArray, parts: Sequence[slice], magnification: float
-) -> Array | None:
-    """Displacements (f, m, 3) of the points that are drawn; None for rigid bodies."""
-    if not body.flexible:
-        return None
-    return np.concatenate([body.displacement(rows, magnification)[:, numbers] for rows in parts])
-
-
-def _values(body: Body, numbers: IntArray, parts: Sequence[slice], field: str) -> Array:
-    found: Array = np.concatenate([body.values(rows, field)[:, numbers] for rows in parts])
-    return np.nan_to_num(found)
-
-
-def _origin(results: Results, names: Sequence[str]) -> Array:
-    """Where numbers of single precision begin: 0, unless all moves far away from there [m]."""
-    paths = np.concatenate([results.body(name).x for name in names])
-    low, high = paths.min(axis=0), paths.max(axis=0)
-    middle: Array = 0.5 * (low + high)
-    size = max(float(np.linalg.norm(high - low)), *(_size(results, name) for name in names))
-    far = float(np.linalg.norm(middle)) > 20.0 * size
-    return np.round(middle, 3) if far else np.zeros(3)
-
-
-def _size(results: Results, name: str) -> float:
-    points = results.outline(name).points
-    return float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
-
-
-def _poses(results: Results, name: str, rows: IntArray, origin: Array) -> Array:
-    """Homogeneous matrices (k, 4, 4) of a body."""
-    moved = results.body(name)
-    poses = np.zeros((len(rows), 4, 4))
-    poses[:, :3, :3] = _matrices(moved.R[rows])
-    poses[:, :3, 3] = moved.x[rows] - origin
-    poses[:, 3, 3] = 1.0
-    return poses
-
-
-def _matrices(q: Array) -> Array:
-    """Rotation matrices (k, 3, 3) of unit quaternions (k, 4)."""
-    return np.stack([rotate(q, axis) for axis in np.eye(3)], axis=-1)
-
-
-def _marks(results: Results, placing: Placing, origin: Array) -> Iterator[Mark]:
-    """Those whose two frames are known."""
-    for coupling in results.couplings:
-        if (ends := placing.ends(coupling)) is not None:
-            positions = np.stack(ends, axis=1) - origin
-            yield Mark(coupling.name, coupling.group, coupling.type, positions)
+def _corners(shape: Shape) -> Array:
+    """The corners (k, 8, 3) of the box of a body in space."""
+    more = 0.0 if shape.u is None else np.abs(shape.u).max(axis=(0, 1), initial=0.0)
+    low, high = shape.points.min(axis=0) - more, shape.points.max(axis=0) + more
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8)
+    turned = np.einsum("kij,jc->kci", shape.poses[:, :3, :3], corners)
+    moved: Array = turned + shape.poses[:, None, :3, 3]
+    return moved

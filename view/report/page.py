@@ -12,22 +12,12 @@ from ...results import Results
 from . import libraries
 from .animation import animation, duration
 from .head import contents, head
-from .markup import Markup, element, joined, markup, note, section
+from .markup import Markup, element, joined, note, section
 from .motion import Motion, motion
-from .origin import Origin, origin
+from .origin import origin
 from .plots import Plot, drawing, plots, remark
 from .scene import names, scene
-from .tables import (
-    balance_table,
-    bodies_table,
-    events_table,
-    model_text,
-    momentum_table,
-    peaks_table,
-    provenance,
-    solver_table,
-    validity_table,
-)
+from .sections import SECTIONS
 
 ROOM = files(__package__)
 OnPart = Callable[[int, int], object]
@@ -48,7 +38,7 @@ def page(
     made()
     parts = [*_motion(moving), *_plots(results, drawn)]
     made()
-    parts += _tables(results, source)
+    parts += _sections(results)
     made()
     links = contents([(identity, text) for identity, text, _ in parts])
     sections = (section(identity, text, body) for identity, text, body in parts)
@@ -150,13 +140,7 @@ def _figure(plot: Plot, number: int, time: Any) -> Markup:
     )
 
 
-def _tables(results: Results, source: Origin) -> Iterator[tuple[str, str, Markup]]:
-    yield "validity", "Validity", validity_table(results)
-    yield "peaks", "Peaks", peaks_table(results)
-    yield "events", "Contact events", events_table(results)
-    balances = joined([balance_table(results), momentum_table(results)])
-    yield "balances", "Balances", balances
-    yield "bodies", "Bodies", bodies_table(results)
-    yield "run", "Run", solver_table(results)
-    yield "provenance", "Provenance", provenance(results, source, libraries.versions())
-    yield "model", "Model", markup(model_text(results))
+def _sections(results: Results) -> Iterator[tuple[str, str, Markup]]:
+    for part in SECTIONS:
+        if (content := part.content(results)) is not None:
+            yield part.identity, part.heading, content

@@ -1,76 +1,48 @@
 """The motion of a run as a scene of K3D, in the bytes that it loads in a browser."""
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import to_hex
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
-from ..space.camera import ISO, axes_towards
-from ..space.marks import SEEN_THROUGH
-from ..styles import COLORS
+from ..camera import Camera, Fitting, chosen_axes, spread_of
+from ..field_kinds import COLOR_MAP
+from ..space.marks import Mark
 from .libraries import package
-from .motion import Mark, Motion, Shape
-from .simplify import IntArray
+from .motion import Motion, Shape, poses
 
-GROUPS = {
-    "joints": "#1c2733",
-    "motions": "#1c2733",
-    "motors": "#7b3fa0",
-    "stops": "#7b3fa0",
-    "springs": "#00785a",
-    "couplers": "#00785a",
-    "contacts": "#d55e00",
-}
-"""colors of what acts between bodies, by its kind"""
-COLOR_MAP = "viridis"
-LINKS = ("springs", "couplers")
-"""drawn as a line between their frames too"""
+VIEWS = {"Overview": "", "Along x": "yz", "Along y": "xz", "Along z": "xy"}
+"""places of the camera by name, as `chosen_axes` has them"""
 MOST_MARKS, MARKED = 60, 301
 """with names, and their instants"""
 SQUARES = 12
 """of the grid, along the longest side at least"""
-PALE = 0.45
-"""of the colors of bodies, how much white"""
 FINE = 2.0**-14
 """positions are rounded to this part of the size of a body, or less"""
 SHADES = 255
-SURROUNDINGS = "#b08d57"
-"""color of the shapes of contacts"""
+LINE_WIDTH = 0.004
+"""width of the lines of bodies and of marks, over the size of what is drawn"""
+UNSEEN_SIZE = 1e-6
+"""size of a mark that is not to be seen, over that of the model: K3D cannot invert 0"""
 GRID = 0xC9D1D9
 WHITE = 0xFFFFFF
 """what colors of a field are multiplied with"""
 FOV = 30.0
 """opening of the camera [degrees]"""
-
-
-def body_colors(shapes: Sequence[Shape]) -> list[str]:
-    """The color of each body without a field, one after the other."""
-    return [_pale(COLORS[i % len(COLORS)]) for i in range(len(shapes))]
-
-
-def _pale(color: str) -> str:
-    red, green, blue = (PALE + (1.0 - PALE) * part for part in to_rgb(color))
-    return to_hex((red, green, blue))
-
-
-def largest_value(motion: Motion) -> float:
-    """The end of the scale of the field, for all bodies and instants."""
-    fields = [shape.values for shape in motion.shapes if shape.values is not None]
-    return max((float(values.max(initial=0.0)) for values in fields), default=0.0)
+ASPECT = 1.8
+"""of the picture, width over height"""
 
 
 def color_bar() -> list[str]:
     """The colors of the scale, from its end to 0."""
-    return [to_hex(color) for color in colormaps[COLOR_MAP](np.linspace(1.0, 0.0, 12))]
+    return [to_hex(color) for color in COLOR_MAP(np.linspace(1.0, 0.0, 12))]
 
 
 def scene(motion: Motion) -> bytes:
-    """All bodies, marks and names, over time."""
+    """All bodies and marks, over time."""
     k3d = package("k3d")
-    low, high = bounds(motion)
     plot = k3d.plot(
         menu_visibility=False,
         grid_visible=False,
@@ -80,65 +52,26 @@ def scene(motion: Motion) -> bytes:
         axes_helper=0.0,
         antialias=3,
     )
-    plot += _grid(k3d, low, high)
-    plot.camera = cameras(motion)["Overview"]
-    for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True):
-        for drawn in _drawn(k3d, motion, shape, color):
-            plot += drawn
-    for shape in motion.surroundings:
-        for drawn in _drawn(k3d, motion, shape, SURROUNDINGS):
-            drawn.opacity = SEEN_THROUGH
-            plot += drawn
-    for drawn in _marks(k3d, motion, float(np.linalg.norm(high - low))):
-        plot += drawn
+    plot += _grid(k3d, motion)
+    plot.camera = placed(cameras(motion)["Overview"])
+    drawn = [part for shape in motion.shapes for part in _body(k3d, motion, shape)]
+    for part in (*drawn, *(_mark(k3d, motion, mark) for mark in motion.moving.marks)):
+        plot += part
     snapshot: bytes = plot.get_binary_snapshot(9)
     return snapshot
 
 
-def bounds(motion: Motion) -> tuple[Array, Array]:
-    """The box that holds all bodies at all times (3,), (3,) [m], with some room."""
-    lows, highs = [], []
-    for shape in (*motion.shapes, *motion.surroundings):
-        if len(shape.points):
-            reach = float(np.linalg.norm(shape.points, axis=1).max())
-            if shape.u is not None:
-                reach += float(np.linalg.norm(shape.u, axis=-1).max(initial=0.0))
-            tight = _corners(shape, reach)
-            lows.append(tight.min(axis=(0, 1)))
-            highs.append(tight.max(axis=(0, 1)))
-    if not lows:
-        return -np.ones(3), np.ones(3)
-    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
-    least = 0.02 * float(np.linalg.norm(high - low)) + 1e-12
-    thin = np.maximum(least - (high - low), 0.0)
-    return low - 0.5 * thin, high + 0.5 * thin
-
-
-def _corners(shape: Shape, reach: float) -> Array:
-    """The corners (k, 8, 3) of the box of a body in space."""
-    more = 0.0 if shape.u is None else np.abs(shape.u).max(axis=(0, 1), initial=0.0)
-    low, high = shape.points.min(axis=0) - more, shape.points.max(axis=0) + more
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8)
-    turned = np.einsum("kij,jc->kci", shape.poses[:, :3, :3], corners)
-    moved: Array = turned + shape.poses[:, None, :3, 3]
-    return moved
-
-
 def square(motion: Motion) -> float:
     """The side of the squares of the grid: 1, 2 or 5 times a power of ten [m]."""
-    low, high = bounds(motion)
-    return _square(low, high)
-
-
-def _square(low: Array, high: Array) -> float:
+    low, high = motion.box
     wanted = float((high - low)[:2].max()) / SQUARES
     power = 10.0 ** np.floor(np.log10(wanted))
     return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
 
 
-def _grid(k3d: Any, low: Array, high: Array) -> Any:
+def _grid(k3d: Any, motion: Motion) -> Any:
     """Squares in the plane x y below all bodies."""
-    side = _square(low, high)
+    (low, high), side = motion.box, square(motion)
     first, last = np.floor(low / side)[:2], np.ceil(high / side)[:2]
     x, y = (side * np.arange(a, b + 0.5) for a, b in zip(first, last, strict=True))
     along_y = [[(a, y[0]), (a, y[-1])] for a in x]
@@ -150,22 +83,22 @@ def _grid(k3d: Any, low: Array, high: Array) -> Any:
 
 
 def names(motion: Motion) -> dict[str, Any]:
-    """The names of marks and the places of their first frames, by time.
+    """The names of couplings and the places of their first frames, by time.
 
-    Marks that stand in one place at all times, as far as one sees, share a name.
+    Those that stand in one place at all times, as far as one sees, share a name.
     """
     every = max(len(motion.time) // MARKED, 1)
     rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
-    near = 0.015 * float(np.linalg.norm(np.subtract(*bounds(motion))))
+    near = 0.015 * _size(motion)
     told: list[str] = []
     places: list[Array] = []
-    for mark in motion.marks if len(motion.marks) <= MOST_MARKS else []:
-        place = mark.positions[rows, 0]
+    for name, positions in motion.named if len(motion.named) <= MOST_MARKS else ():
+        place = positions[rows]
         same = [i for i, other in enumerate(places) if np.abs(other - place).max() < near]
         if same:
-            told[same[0]] += f", {mark.name}"
+            told[same[0]] += f", {name}"
         else:
-            told.append(mark.name)
+            told.append(name)
             places.append(place)
     joined = np.hstack(places) if places else np.zeros((len(rows), 0))
     return {
@@ -175,68 +108,90 @@ def names(motion: Motion) -> dict[str, Any]:
     }
 
 
-def cameras(motion: Motion) -> dict[str, list[float]]:
-    """Places of the camera by name: its position, what it looks at, and what is up (9 numbers)."""
-    low, high = bounds(motion)
-    up = [0.0, 0.0, 1.0]
-    views = {
-        "Overview": _overview(high - low),
-        "Along x": ([1.0, 0.0, 0.0], up),
-        "Along y": ([0.0, -1.0, 0.0], up),
-        "Along z": ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
-    }
-    return {name: _camera(low, high, *view) for name, view in views.items()}
+def cameras(motion: Motion) -> dict[str, Camera]:
+    """Places of the camera by name; the first one is chosen as that of a film."""
+    spread = spread_of(motion.reached[: len(motion.shapes)])
+    corners = np.array(np.meshgrid(*zip(*motion.box, strict=True))).reshape(3, 8).T
+    found = {}
+    for name, view in VIEWS.items():
+        fitting = Fitting(chosen_axes(view, spread, motion.gravity))
+        fitting.take(corners)
+        found[name] = fitting.camera(ASPECT)
+    return found
 
 
-def _overview(size: Array) -> tuple[list[float], list[float]]:
-    """Onto the plane of a motion in the plane x y, and else from above and before."""
-    if size[2] < 0.4 * max(size[0], size[1]):
-        return [0.35, -0.7, 1.0], [0.0, 1.0, 0.0]
-    return ISO.tolist(), [0.0, 0.0, 1.0]
+def placed(camera: Camera) -> list[float]:
+    """A camera of K3D: its position, what it looks at, and what is up (9 numbers)."""
+    _, up, towards = camera.axes
+    distance = 0.5 * camera.height / np.tan(np.radians(0.5 * FOV)) + camera.depth
+    return [*(camera.focus + distance * towards).tolist(), *camera.focus.tolist(), *up.tolist()]
 
 
-def _camera(low: Array, high: Array, towards: list[float], up: list[float]) -> list[float]:
-    right, upward, eye = axes_towards(np.array(towards), np.array(up))
-    middle = 0.5 * (low + high)
-    half = 0.5 * (high - low)
-    tall, wide = float(np.abs(upward) @ half), float(np.abs(right) @ half)
-    deep = float(np.abs(eye) @ half)
-    distance = 1.15 * max(tall, wide / 1.8) / np.tan(np.radians(0.5 * FOV)) + deep
-    return [*(middle + distance * eye).tolist(), *middle.tolist(), *np.array(up).tolist()]
+def _size(motion: Motion) -> float:
+    low, high = motion.box
+    return float(np.linalg.norm(high - low))
 
 
-def _drawn(k3d: Any, motion: Motion, shape: Shape, color: str) -> list[Any]:
+def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
     """The surface and the lines of a body."""
-    plain = int(color[1:], 16) if shape.values is None else WHITE
-    common = {"color": plain, "name": "", "group": ""}
-    points = shape.points.astype(np.float32)
+    color = int(shape.color[1:], 16) if shape.values is None else WHITE
+    width = LINE_WIDTH * max(float(np.ptp(shape.points)), 1e-9) if len(shape.points) else 0.0
     made = []
     if len(shape.triangles):
-        surface = k3d.mesh(
-            points, shape.triangles.astype(np.uint32), side="double", flat_shading=True, **common
-        )
-        made.append(surface)
+        made.append(_surface(k3d, shape.points, shape.triangles, color))
     if len(shape.lines):
-        lines = k3d.lines(
-            points,
-            shape.lines.astype(np.uint32),
-            indices_type="segment",
-            shader="thick",
-            width=0.004 * max(float(np.ptp(points)), 1e-9),
-            **common,
-        )
-        made.append(lines)
+        made.append(_lines(k3d, shape.points, shape.lines, color, width))
+    deforming = frames(motion, motion.deforming.times)
     for drawn in made:
         drawn.model_matrix = _series(frames(motion), shape.poses)
         if shape.u is not None:
-            drawn.vertices = _series(frames(motion, motion.deforming), _rounded(shape))
+            drawn.vertices = _series(deforming, _rounded(shape))
         if shape.values is not None:
-            largest = largest_value(motion) or 1.0
-            shades = np.round(shape.values / largest * SHADES) / SHADES
-            drawn.color_map = k3d.matplotlib_color_maps.Viridis
+            shades = np.round(shape.values / (motion.largest or 1.0) * SHADES) / SHADES
+            ends = np.linspace(0.0, 1.0, SHADES + 1)
+            drawn.color_map = np.column_stack([ends, COLOR_MAP(ends)[:, :3]]).ravel().tolist()
             drawn.color_range = [0.0, 1.0]
-            drawn.attribute = _series(frames(motion, motion.deforming), shades)
+            drawn.attribute = _series(deforming, shades)
     return made
+
+
+def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
+    color, glyph = int(mark.color[1:], 16), mark.glyph
+    if not len(glyph.triangles):
+        width = 0.5 * LINE_WIDTH * _size(motion)
+        drawn = _lines(k3d, glyph.points, glyph.lines, color, width)
+        drawn.vertices = _series(frames(motion), mark.position(slice(None)) - motion.origin)
+        return drawn
+    drawn = _surface(k3d, glyph.points, glyph.triangles, color)
+    drawn.opacity = mark.opacity
+    A = mark.A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
+    drawn.model_matrix = _series(frames(motion), poses(mark.x - motion.origin, A))
+    return drawn
+
+
+def _surface(k3d: Any, points: Array, triangles: IntArray, color: int) -> Any:
+    return k3d.mesh(
+        points.astype(np.float32),
+        triangles.astype(np.uint32),
+        side="double",
+        flat_shading=True,
+        color=color,
+        name="",
+        group="",
+    )
+
+
+def _lines(k3d: Any, points: Array, lines: IntArray, color: int, width: float) -> Any:
+    return k3d.lines(
+        points.astype(np.float32),
+        lines.astype(np.uint32),
+        indices_type="segment",
+        shader="thick",
+        width=width,
+        color=color,
+        name="",
+        group="",
+    )
 
 
 def _rounded(shape: Shape) -> Array:
@@ -260,35 +215,6 @@ def frames(motion: Motion, time: Array | None = None) -> IntArray:
 def _series(numbers: IntArray, values: Array) -> Any:
     """Values by the number of their instant, or the value where there is one."""
     short = np.ascontiguousarray(values, dtype=np.float32)
-    if len(numbers) == 1:
+    if (short == short[:1]).all():
         return short[0]
     return {str(number): value for number, value in zip(numbers, short, strict=True)}
-
-
-def _marks(k3d: Any, motion: Motion, size: float) -> list[Any]:
-    """A dot at each frame, lines of springs, and names."""
-    made = []
-    for group, color in GROUPS.items():
-        marks = [mark for mark in motion.marks if mark.group == group]
-        if marks:
-            made += _of_group(k3d, motion, marks, int(color[1:], 16), size, group in LINKS)
-    return made
-
-
-def _of_group(
-    k3d: Any, motion: Motion, marks: Sequence[Mark], color: int, size: float, link: bool
-) -> list[Any]:
-    places = np.concatenate([mark.positions for mark in marks], axis=1)
-    look: Mapping[str, Any] = {"color": color, "name": "", "group": ""}
-    start = places[0].astype(np.float32)
-    dots = k3d.points(start, point_size=0.012 * size, shader="3d", **look)
-    dots.positions = _series(frames(motion), places)
-    made = [dots]
-    if link:
-        pairs = np.arange(2 * len(marks), dtype=np.uint32).reshape(-1, 2)
-        lines = k3d.lines(
-            start, pairs, indices_type="segment", shader="thick", width=0.004 * size, **look
-        )
-        lines.vertices = _series(frames(motion), places)
-        made.append(lines)
-    return made

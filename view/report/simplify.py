@@ -1,12 +1,10 @@
 """Surfaces with fewer points."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...superelement.cells import IntArray
 from ...superelement.cells import normals as normals_of
 from ...superelement.validation import Array
-
-IntArray = NDArray[np.int64]
 
 FINEST = 1024
 """cells along the longest side, at most"""

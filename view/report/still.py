@@ -4,60 +4,63 @@ import base64
 import io
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
-from ..space.camera import axes_towards
+from ..camera import Fitting
+from ..scene import Patch, Scene, View, paint, pane
 from ..space.marks import SEEN_THROUGH
 from .motion import Motion, Shape
-from .scene import SURROUNDINGS, body_colors, bounds, cameras
+from .scene import cameras
 
 WIDTH, HEIGHT, DOTS = 9.0, 4.8, 100
 """[inch], per inch"""
 FINE, MOST_DIVISIONS = 25.0, 5
 """of triangles, in the size of the picture"""
-LIGHT, AMBIENT = np.array([-0.35, 0.55, 0.76]), 0.62
 
 
 def still(motion: Motion) -> str:
-    """The bodies at the middle instant, as PNG in an address that holds it."""
+    """The bodies and marks at the middle instant, as PNG in an address that holds it."""
+    middle = len(motion.time) // 2
+    drawn = [
+        (_seen(motion, shape, middle), shape.triangles, shape.lines, shape.color)
+        for shape in motion.shapes
+    ]
+    around = []
+    for mark in motion.moving.marks:
+        seen = mark.position(slice(middle, middle + 1))[0] - motion.origin
+        if mark.kind == "shapes":
+            around.append((seen, mark))
+        elif mark.before:
+            drawn.append((seen, mark.glyph.triangles, mark.glyph.lines, mark.color))
+    fitting = Fitting(cameras(motion)["Overview"].axes)
+    for seen in (*(part[0] for part in drawn), *(part[0] for part in around)):
+        fitting.take(seen)
+    camera, size = fitting.camera(WIDTH / HEIGHT), np.array([WIDTH, HEIGHT])
+    view = View(camera.axes, camera.axes[:2] @ camera.focus, camera.height / HEIGHT, size, size)
     figure = Figure(figsize=(WIDTH, HEIGHT))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    view = _axes(cameras(motion)["Overview"])
-    facets, colors = [], []
-    for shape, color in zip(motion.shapes, body_colors(motion.shapes), strict=True):
-        seen = _seen(motion, shape) @ view.T
-        if len(shape.triangles):
-            corners = _divided(seen[shape.triangles], _extent(motion) / FINE)
-            facets.append(corners)
-            colors.append(_shaded(corners, color))
-        if len(shape.lines):
-            axes.add_collection(LineCollection(list(seen[shape.lines][..., :2]), colors=[color]))
-    around = [(_seen(motion, s) @ view.T)[s.triangles][..., :2] for s in motion.surroundings]
-    if around:
-        tint = (*to_rgb(SURROUNDINGS), 0.5 * SEEN_THROUGH)
-        faint = PolyCollection([*np.concatenate(around)], facecolors=[tint], linewidths=0.0)
+    axes = pane(figure, (0.0, 0.0, 1.0, 1.0), view)
+    for seen, mark in around:
+        corners, tint = view.on_paper(seen[mark.glyph.triangles]), to_rgb(mark.color)
+        faint = PolyCollection([*corners], facecolors=[tint], linewidths=0.0, alpha=SEEN_THROUGH)
         axes.add_collection(faint)
-    if facets:
-        corners, shades = np.concatenate(facets), np.concatenate(colors)
-        order = np.argsort(corners[..., 2].mean(axis=1))
-        polygons = list(corners[order][..., :2])
-        ordered = shades[order]
-        shown = PolyCollection(polygons, facecolors=ordered, edgecolors=ordered, linewidths=0.3)
-        axes.add_collection(shown)
-    axes.autoscale_view()
+    longest = camera.height / FINE
+    patches = [_patch(seen, triangles, color, longest) for seen, triangles, _, color in drawn]
+    lines = np.concatenate([seen[lines] for seen, _, lines, _ in drawn])
+    paint(axes, Scene(patches, lines), view)
     image = io.BytesIO()
     figure.savefig(image, format="png", dpi=DOTS)
     return f"data:image/png;base64,{base64.b64encode(image.getvalue()).decode('ascii')}"
 
 
-def _extent(motion: Motion) -> float:
-    low, high = bounds(motion)
-    return float(np.linalg.norm(high - low))
+def _patch(points: Array, triangles: IntArray, color: str, longest: float) -> Patch:
+    """A surface that is seen from both sides."""
+    corners = _divided(points[triangles], longest)
+    both = np.concatenate([corners, corners[:, ::-1]])
+    return Patch(both, np.full(len(both), -1), np.tile(to_rgb(color), (len(both), 1)))
 
 
 def _divided(corners: Array, longest: float) -> Array:
@@ -75,29 +78,12 @@ def _divided(corners: Array, longest: float) -> Array:
     return corners
 
 
-def _seen(motion: Motion, shape: Shape) -> Array:
+def _seen(motion: Motion, shape: Shape, middle: int) -> Array:
     """The points of a body in space at the middle instant (m, 3)."""
-    middle = len(motion.time) // 2
     points = shape.points
     if shape.u is not None:
-        nearest = int(np.abs(motion.deforming - motion.time[middle]).argmin())
+        nearest = int(np.abs(motion.deforming.times - motion.time[middle]).argmin())
         points = points + shape.u[nearest]
     pose = shape.poses[middle]
     placed: Array = points @ pose[:3, :3].T + pose[:3, 3]
     return placed
-
-
-def _axes(camera: list[float]) -> Array:
-    """To the right, up and towards the eye (3, 3)."""
-    place, target, up = np.reshape(camera, (3, 3))
-    return axes_towards(place - target, up)
-
-
-def _shaded(corners: Array, color: str) -> Array:
-    a, b, c = corners.transpose(1, 0, 2)
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    facing = np.abs(normals @ LIGHT) / np.where(lengths > 0.0, lengths, 1.0)
-    bright = AMBIENT + (1.0 - AMBIENT) * np.minimum(facing / np.linalg.norm(LIGHT), 1.0)
-    shades: Array = bright[:, None] * np.array(to_rgb(color))
-    return shades

@@ -12,9 +12,10 @@ from ...results.motion import Energy, Events
 from ...results.validity import Check
 from ...superelement import SuperelementError
 from ...superelement.validation import Array
+from . import libraries
 from .markup import Markup, element, facts, folded, joined, note, table
 from .numbers import counted, seconds, short, vector
-from .origin import Origin, tables
+from .origin import origin, tables
 
 MOST_ROWS = 200
 """of a table: the first ones, with a line that says how many there are"""
@@ -237,21 +238,22 @@ def _body_row(results: Results, name: str, given: Any) -> tuple[object, ...]:
     )
 
 
-def provenance(results: Results, origin: Origin, drawn_by: str) -> Markup:
+def provenance(results: Results) -> Markup:
     """Files with their digests, and versions."""
     files = {file.path: file.digest for file in results.superelement_files.values()}
     rows = [(path, element("code", digest)) for path, digest in files.items()]
     superelements = table(("superelement", "sha256"), rows) if rows else ""
-    return joined([facts(_machines(results, origin, drawn_by)), superelements])
+    return joined([facts(_machines(results)), superelements])
 
 
-def _machines(results: Results, origin: Origin, drawn_by: str) -> Iterator[tuple[str, object]]:
-    yield "Results file", f"{origin.path}, version {origin.version}" if origin.path else "in memory"
+def _machines(results: Results) -> Iterator[tuple[str, object]]:
+    source = origin(results)
+    yield "Results file", f"{source.path}, version {source.version}" if source.path else "in memory"
     yield "Run", _plain(results.solver.get("run", ""))
-    yield "Run by", origin.created_by
+    yield "Run by", source.created_by
     machine = f"{platform.system()} {platform.release()}, {platform.machine()}"
     yield "Report made on", f"{machine}, Python {platform.python_version()}, numpy {np.__version__}"
-    yield "Page drawn by", drawn_by
+    yield "Page drawn by", libraries.versions()
 
 
 def model_text(results: Results) -> Markup:

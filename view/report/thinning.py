@@ -1,11 +1,9 @@
 """Long series with fewer points, of which no peak is lost."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
-
-IntArray = NDArray[np.int64]
 
 COLUMNS = 1200
 """of a picture: as many as a plot has pixels, about"""

@@ -11,16 +11,14 @@ import numpy as np
 from ...results import Results
 from ...results.transforms import Window
 from ...superelement.validation import Array
+from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..errors import PictureError
-from ..field_kinds import FIELDS, WORST
-from ..prefixes import PREFIXES, exponent_of
+from ..field_kinds import WORST, scale_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
-from .camera import Camera, Fitting, chosen_axes, spread_of
 from .lettering import Clock, Frame, Image, Lettering, lettered
-from .marks import CONTACT, FORCE, JOINT, SPRING
 from .stage import NO_FIELD, Batch, Stage, chosen_field
-from .studio import COLOR_MAP, Studio, pyvista
+from .studio import Studio, pyvista
 from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
 from .tracks import Tracks
 from .writing import MOVING, require_format, written
@@ -28,7 +26,6 @@ from .writing import MOVING, require_format, written
 SIZE, SMALL_SIZE = (1280, 720), (640, 360)
 """of films, and of GIFs [pixels]"""
 SMALLEST_SIZE, LARGEST_SIZE = 36, 8192
-LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
 OnFrame = Callable[[int, int], object]
 """is told how many frames are made, of how many"""
 
@@ -50,11 +47,7 @@ class Film:
     @property
     def scale_end(self) -> str:
         """The end of the scale of colors with its unit; "" without colors."""
-        if not self.field:
-            return ""
-        unit = FIELDS[self.field][1]
-        exponent = exponent_of(self.largest, unit)
-        return f"{self.largest / 10.0**exponent:.3g} {PREFIXES[exponent]}{unit}"
+        return scale_of(self.field, self.largest).text(3) if self.field else ""
 
 
 def animate(
@@ -149,13 +142,9 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
         notes.append("elastic motion in part unknown")
-    kinds = dict.fromkeys(mark.kind for mark in stage.marks)
-    legend = [(kind, color) for kind, color in LEGEND.items() if kind in kinds]
-    label, unit = FIELDS[stage.field] if stage.field else ("", "")
+    scale = scale_of(stage.field, stage.largest) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
-    return Lettering(
-        title, tuple(notes), tuple(legend), label, unit, stage.largest, ends, COLOR_MAP, axes
-    )
+    return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
 
 
 def the_time(

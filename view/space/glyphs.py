@@ -1,31 +1,16 @@
 """The shapes of marks, of unit size about the origin, with z as their axis."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...superelement import Outline
 from ...superelement.validation import Array
 
-IntArray = NDArray[np.int64]
 AROUND = 16
 """corners of a circle"""
 COILS = 6
-NO_LINES: IntArray = np.zeros((0, 2), dtype=np.int64)
-NO_TRIANGLES: IntArray = np.zeros((0, 3), dtype=np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class Glyph:
-    """points (p, 3), triangles (m, 3) that turn outwards, lines (l, 2)."""
-
-    points: Array
-    triangles: IntArray = field(default_factory=NO_TRIANGLES.copy)
-    lines: IntArray = field(default_factory=NO_LINES.copy)
-
-
-def turned(profile: Array, around: int = AROUND) -> Glyph:
+def turned(profile: Array, around: int = AROUND) -> Outline:
     """A surface of revolution.   profile (k, 2): radii and heights, from below to above"""
     angles = 2.0 * np.pi * np.arange(around) / around
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -37,40 +22,35 @@ def turned(profile: Array, around: int = AROUND) -> Glyph:
         low, high = k * around, (k + 1) * around
         triangles.append(np.column_stack([low + here, low + beside, high + beside]))
         triangles.append(np.column_stack([low + here, high + beside, high + here]))
-    return Glyph(np.concatenate(rings), np.concatenate(triangles))
+    return Outline(np.concatenate(rings), np.concatenate(triangles))
 
 
-def solid(outline: Outline) -> Glyph:
-    """A figure, as boxes and cylinders."""
-    return Glyph(outline.points, outline.triangles)
-
-
-def tube() -> Glyph:
+def tube() -> Outline:
     """An open cylinder of radius 1 from z = -0.5 to 0.5."""
     return turned(np.array([(1.0, -0.5), (1.0, 0.5)]), 2 * AROUND)
 
 
-def extruded(curve: Array) -> Glyph:
+def extruded(curve: Array) -> Outline:
     """A strip along a curve (n, 2) in the plane of x and y, from z = -0.5 to 0.5."""
     n = len(curve)
     points = np.vstack([np.column_stack([curve, np.full(n, z)]) for z in (-0.5, 0.5)])
     here = np.arange(n - 1)
     lower = np.column_stack([here, here + 1, here + n + 1])
     upper = np.column_stack([here, here + n + 1, here + n])
-    return Glyph(points, np.concatenate([lower, upper]))
+    return Outline(points, np.concatenate([lower, upper]))
 
 
-def arrow() -> Glyph:
+def arrow() -> Outline:
     """From the origin to z = 1."""
     return turned(np.array([(0, 0), (0.025, 0), (0.025, 0.75), (0.07, 0.75), (0, 1)]))
 
 
-def triad() -> Glyph:
+def triad() -> Outline:
     """Three lines of length 1 along the axes."""
-    return Glyph(np.vstack([np.zeros(3), np.eye(3)]), lines=np.array([(0, 1), (0, 2), (0, 3)]))
+    return Outline(np.vstack([np.zeros(3), np.eye(3)]), np.array([(0, 1), (0, 2), (0, 3)]))
 
 
-def coil() -> Glyph:
+def coil() -> Outline:
     """A zigzag from the origin to z = 1, half as wide as 1 in x, for springs."""
     turns = np.arange(1, 2 * COILS) / (2 * COILS)
     heights = np.concatenate([[0.0, 0.15], 0.15 + 0.7 * turns, [0.85, 1.0]])
@@ -78,9 +58,9 @@ def coil() -> Glyph:
     across[2:-2] = 0.5 * (-1.0) ** np.arange(2 * COILS - 1)
     points = np.column_stack([across, np.zeros(len(heights)), heights])
     here = np.arange(len(heights) - 1)
-    return Glyph(points, lines=np.column_stack([here, here + 1]))
+    return Outline(points, np.column_stack([here, here + 1]))
 
 
-def segment() -> Glyph:
+def segment() -> Outline:
     """A line from the origin to z = 1."""
-    return Glyph(np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), lines=np.array([(0, 1)]))
+    return Outline(np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), np.array([(0, 1)]))

@@ -12,9 +12,10 @@ from matplotlib.font_manager import findfont
 from numpy.typing import NDArray
 
 from ...superelement.validation import Array
+from ..field_kinds import COLOR_MAP, Scale
 from ..picture import style
 from ..prefixes import PREFIXES, exponent_of
-from ..scene import AXES
+from ..scene import draw_triad
 
 Image = NDArray[np.uint8]
 """(height, width, 3)"""
@@ -32,18 +33,15 @@ DPI = 100.0
 class Lettering:
     """title: above; notes: below; legend: words with their colors, below on the right.
 
-    label, unit, largest: of the scale of colors from 0 on, none if there is no label; ends: of
-    which frames the largest value is the largest; color_map.
+    scale: of colors, if there is one; ends: of which frames its largest value is the largest; axes
+    (3, 3): of the camera.
     """
 
     title: str = ""
     notes: tuple[str, ...] = ()
     legend: tuple[tuple[str, str], ...] = ()
-    label: str = ""
-    unit: str = ""
-    largest: float = 0.0
+    scale: Scale | None = None
     ends: str = ""
-    color_map: Any = "turbo"
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
@@ -90,8 +88,8 @@ def lettered(frame: Frame, words: Lettering) -> Image:
         )
         _write_notes(figure, frame, words, points)
         _draw_axes(figure, frame, words.axes, points)
-        if words.label:
-            _draw_scale(figure, frame, words, points)
+        if words.scale is not None:
+            _draw_scale(figure, frame, words.scale, words.ends, points)
         canvas.draw()
     picture: Image = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
     return picture
@@ -130,30 +128,24 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
     pane.set_axis_off()
     pane.set_xlim(-1.5, 1.5)
     pane.set_ylim(-1.5, 1.5)
-    for direction, (name, color) in zip(axes[:2].T, AXES, strict=True):
-        if np.linalg.norm(direction) < 0.1:
-            continue
-        pane.plot([0.0, direction[0]], [0.0, direction[1]], color=color, linewidth=2.2 * points)
-        x, y = 1.0 * direction + 0.32 * direction / np.linalg.norm(direction)
-        pane.text(x, y, name, color=color, ha="center", va="center", fontsize=0.9 * SMALL * points)
+    draw_triad(pane, axes, np.zeros(2), 1.0, 2.2 * points, 0.9 * SMALL * points)
 
 
-def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
+def _draw_scale(figure: Figure, frame: Frame, scale: Scale, ends: str, points: float) -> None:
     width, e = frame.size[0], frame.enlarged
-    exponent = exponent_of(words.largest, words.unit)
-    largest = words.largest / 10.0**exponent or 1.0
+    largest = scale.largest / scale.factor or 1.0
     pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
     norm = Normalize(0.0, largest)
-    bar = Colorbar(pane, cmap=words.color_map, norm=norm)
+    bar = Colorbar(pane, cmap=COLOR_MAP, norm=norm)
     bar.outline.set_visible(False)
     step = [tick for tick in pane.get_yticks() if 0.0 <= tick < 0.93 * largest]
     bar.set_ticks([*step, largest], labels=[f"{t:.3g}" for t in (*step, largest)])
     pane.tick_params(labelsize=SMALL * points, length=3 * points, width=0.7 * points)
-    name = "\n".join(words.label.rsplit(" ", 1))
+    name = "\n".join(scale.words.rsplit(" ", 1))
     figure.text(
         1.0 - (SIDE - 34.0) * e / width,
         0.795,
-        f"{name}\n[{PREFIXES[exponent]}{words.unit}]",
+        f"{name}\n[{scale.unit}]",
         fontsize=SMALL * points,
         va="bottom",
         linespacing=1.15,
@@ -161,7 +153,7 @@ def _draw_scale(figure: Figure, frame: Frame, words: Lettering, points: float) -
     figure.text(
         1.0 - (SIDE - 34.0) * e / width,
         0.14,
-        f"up to the\nlargest value\n{words.ends}",
+        f"up to the\nlargest value\n{ends}",
         color="0.35",
         fontsize=0.8 * SMALL * points,
         va="top",

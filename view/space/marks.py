@@ -8,15 +8,16 @@ import numpy as np
 from ...results import Connection, Results
 from ...results.motion import ContactMotion
 from ...results.rotations import rotate
-from ...superelement import figures
+from ...superelement import Outline, figures
 from ...superelement.validation import Array
 from . import glyphs
 from .bodies import Body
-from .glyphs import Glyph
 from .holding import HANGING, place_of
 from .tracks import GROUND, Track, Tracks
 
 JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
+LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
+"""kinds of marks whose colors are explained"""
 GROUNDED, LEG, FLOOR, SURFACE = "#5c636a", "#9aa1ab", "#e9e4da", "#b08d57"
 SHADED, SEEN_THROUGH = 0.85, 0.3
 """opacity of marks, and of what is around or in bodies"""
@@ -35,17 +36,17 @@ WIDE = 1.5
 
 ARROW, TRIAD, COIL, SEGMENT = glyphs.arrow(), glyphs.triad(), glyphs.coil(), glyphs.segment()
 TUBE = glyphs.tube()
-SPHERE, PLATE = glyphs.solid(figures.sphere(1.0)), glyphs.solid(figures.box([1.0, 1.0, 0.0]))
+SPHERE, PLATE = figures.sphere(1.0), figures.box([1.0, 1.0, 0.0])
 E_Z = np.array([0.0, 0.0, 1.0])
-BY_TYPE: dict[str, Glyph] = {
-    "revolute": glyphs.solid(figures.cylinder(0.75, 3.2, E_Z)),
-    "cylindrical": glyphs.solid(figures.cylinder(0.6, 4.4, E_Z)),
-    "screw": glyphs.solid(figures.cylinder(0.6, 4.4, E_Z)),
-    "prismatic": glyphs.solid(figures.box([1.5, 1.5, 3.6])),
-    "point_on_line": glyphs.solid(figures.box([1.0, 1.0, 3.6])),
-    "planar": glyphs.solid(figures.box([3.0, 3.0, 0.4])),
-    "point_on_plane": glyphs.solid(figures.box([3.0, 3.0, 0.4])),
-    "fixed": glyphs.solid(figures.box([1.3, 1.3, 1.3])),
+BY_TYPE: dict[str, Outline] = {
+    "revolute": figures.cylinder(0.75, 3.2, E_Z),
+    "cylindrical": figures.cylinder(0.6, 4.4, E_Z),
+    "screw": figures.cylinder(0.6, 4.4, E_Z),
+    "prismatic": figures.box([1.5, 1.5, 3.6]),
+    "point_on_line": figures.box([1.0, 1.0, 3.6]),
+    "planar": figures.box([3.0, 3.0, 0.4]),
+    "point_on_plane": figures.box([3.0, 3.0, 0.4]),
+    "fixed": figures.box([1.3, 1.3, 1.3]),
     "spherical": SPHERE,
 }
 """shapes of joints with their axis along z, over the radius of marks; others are spheres"""
@@ -61,7 +62,7 @@ class Mark:
 
     kind: str
     color: str
-    glyph: Glyph
+    glyph: Outline
     x: Array
     A: Array
     before: bool = True

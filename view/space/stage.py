@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from ...superelement.validation import Array
 from ..errors import PictureError
 from ..field_kinds import FIELDS
 from .bodies import Body, bodies_on_stage
-from .marks import Mark, Placing, largest_force, marks_of
+from .marks import LEGEND, Mark, Placing, largest_force, marks_of
 from .tracks import Tracks
 
 Single = NDArray[np.float32]
@@ -68,7 +69,7 @@ class Stage:
             raise PictureError("the run recorded the motion of no body: nothing can be drawn")
         self.size = size_of(self.bodies)
         points = sum(len(body.X) for body in self.bodies)
-        self._rows = batches(len(times), AT_ONCE // max(points, 1))
+        self.rows = batches(len(times), AT_ONCE // max(points, 1))
         # All passes over the frames need the same positions, which is most of the work.
         self._keeps = 16 * points * len(times) <= KEPT
         self._kept: dict[int, Batch] = {}
@@ -77,23 +78,45 @@ class Stage:
         self.remarks = tuple(remark for remark in remarks if remark)
         self.field = chosen_field(self.bodies, field)
         self.untold = unknown(self.bodies, self.field) if self.field else {}
-        chosen = chosen_magnification(self.bodies, self._rows) if magnify is None else magnify
+        chosen = chosen_magnification(self.bodies, self.rows) if magnify is None else magnify
         self.magnification = chosen
-        placing = Placing(tracks, self.bodies, self.magnification)
+        self.placing = Placing(tracks, self.bodies, self.magnification)
         self.radius = MARK * self.size
         self.marks: tuple[Mark, ...] = ()
         self.largest_force = 0.0
         if marks:
-            self.marks = marks_of(results, placing, self.radius, self.size)
+            self.marks = marks_of(results, self.placing, self.radius, self.size)
             self.largest_force = largest_force(results, tracks)
-        self.largest = self._largest_value() if self.field else 0.0
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest value of all frames."""
+        found = (
+            float(values.max(initial=0.0))
+            for batch in (self.batches() if self.field else ())
+            for values in batch.values
+            if values is not None
+        )
+        return max(found, default=0.0)
+
+    @property
+    def legend(self) -> tuple[tuple[str, str], ...]:
+        """The kinds of marks that there are, with their colors."""
+        kinds = {mark.kind for mark in self.marks}
+        return tuple((kind, color) for kind, color in LEGEND.items() if kind in kinds)
+
+    @property
+    def told(self) -> tuple[Body, ...]:
+        """The bodies that show the field."""
+        shown = self.colored() if self.field else ()
+        return tuple(body for body in shown if body.name not in self.untold)
 
     def colored(self) -> tuple[Body, ...]:
         return colored(self.bodies, self.field)
 
     def batches(self) -> Iterator[Batch]:
         """All frames, a few at once; they are kept where there is room, else the last ones."""
-        for number, rows in enumerate(self._rows):
+        for number, rows in enumerate(self.rows):
             if number not in self._kept:
                 if not self._keeps:
                     self._kept.clear()
@@ -106,24 +129,15 @@ class Stage:
             yield mark.position(rows) - self.middle
 
     def _batch(self, rows: slice) -> Batch:
-        told = {body.name for body in self.colored()} - set(self.untold) if self.field else set()
         positions = (
             (body.position(rows, self.magnification) - self.middle).astype(np.float32)
             for body in self.bodies
         )
         values = (
-            body.values(rows, self.field).astype(np.float32) if body.name in told else None
+            body.values(rows, self.field).astype(np.float32) if body in self.told else None
             for body in self.bodies
         )
         return Batch(rows, tuple(positions), tuple(values))
-
-    def _largest_value(self) -> float:
-        found = 0.0
-        for batch in self.batches():
-            for values in batch.values:
-                if values is not None:
-                    found = max(found, float(values.max(initial=0.0)))
-        return found
 
 
 def size_of(bodies: tuple[Body, ...]) -> float:

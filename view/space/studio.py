@@ -3,24 +3,20 @@
 from collections.abc import Iterator
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap, to_rgb
 
+from ...superelement.cells import IntArray
 from ...superelement.validation import Array
+from ..camera import Camera
 from ..errors import PictureError
-from ..scene import color as color_of
+from ..field_kinds import COLOR_MAP
+from ..scene import tint
 from .bodies import Body
-from .camera import Camera
 from .lettering import Frame, Image
 from .marks import Mark
 from .stage import Batch, Stage
-from .surface import IntArray, mesh_edges, surface
+from .surface import mesh_edges, surface
 
-COLOR_MAP = LinearSegmentedColormap.from_list(
-    "stage", matplotlib.colormaps["turbo"](np.linspace(0.07, 0.98, 256))
-)
-"""turbo without its darkest ends, which light and shade would make black"""
 PLAIN = (0.80, 0.82, 0.85)
 """bodies beside those that are colored"""
 APART = 7.0
@@ -151,11 +147,11 @@ class _BodyFigure:
 
     def __init__(self, plotter: Any, stage: Stage, number: int, pixel: float, finer: int) -> None:
         body = stage.bodies[number]
-        outline, told = body.outline, body.name not in stage.untold and body in stage.colored()
-        self._colored = bool(stage.field) and told
+        outline = body.outline
+        self._colored = body in stage.told
         self._surface = surface(body.X, outline.triangles) if len(outline.triangles) else None
         style: dict[str, Any] = {
-            "color": PLAIN if stage.field else _tint(number),
+            "color": PLAIN if stage.field else tint(number),
             "show_scalar_bar": False,
         }
         if self._colored:
@@ -266,8 +262,3 @@ def _mesh(points: Array, triangles: Any = None, lines: Any = None) -> Any:
 def _counted(cells: Any) -> Any:
     """Cells (n, k) as VTK reads them, each after the number of its points."""
     return np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
-
-
-def _tint(number: int) -> tuple[float, ...]:
-    """A light color for each body."""
-    return tuple(0.45 + 0.55 * channel for channel in to_rgb(color_of(number)))

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ...superelement.cells import IntArray
 from ...superelement.cells import normals as normals_of
 from ...superelement.validation import Array
 
-IntArray = NDArray[np.int64]
 SHARP = np.cos(np.radians(35.0))
 """of the angle between neighboring triangles from which on their edge is sharp"""
 SIDES = {

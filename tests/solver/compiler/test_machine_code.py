@@ -134,13 +134,16 @@ def machine_code():
     """The entries of this file, by name."""
     from duhamel.solver.compiler.build import build
 
-    compiled, entries = dict(marks.COMPILED), dict(marks.ENTRIES)
-    marks.ENTRIES.clear()
+    compiled, entries = dict(marks.COMPILED_FUNCTIONS), dict(marks.COMPILED_ENTRIES)
+    marks.COMPILED_ENTRIES.clear()
     try:
         made = {function.__name__: marks.entry(function) for function in FUNCTIONS}
         engine = object_file.engine_of(build())
     finally:
-        for registry, content in ((marks.COMPILED, compiled), (marks.ENTRIES, entries)):
+        for registry, content in (
+            (marks.COMPILED_FUNCTIONS, compiled),
+            (marks.COMPILED_ENTRIES, entries),
+        ):
             registry.clear()
             registry.update(content)
     for entry in made.values():
@@ -265,7 +268,7 @@ def test_compiled_functions_raise_nothing():
     """An exception would be lost, and its function would have stopped halfway."""
     raising = [
         function.__qualname__
-        for function in marks.COMPILED
+        for function in marks.COMPILED_FUNCTIONS
         if any(step.opname == "RAISE_VARARGS" for step in dis.get_instructions(function))
     ]
     assert raising == []

@@ -8,14 +8,14 @@ import sys
 import tempfile
 import threading
 from pathlib import Path
+from pkgutil import iter_modules
 from types import SimpleNamespace
 
 import pytest
 from duhamel.solver.compiler import cache as cache_module
 from duhamel.solver.compiler import marks, object_file
-from duhamel.solver.step import newton
+from duhamel.solver.step import newton, records, system
 from duhamel.solver.step.elimination import factorize
-from duhamel.solver.step.system import Pattern
 
 CODE = bytes(range(256)) * 10
 FOLDER = Path(__file__).parent
@@ -219,7 +219,7 @@ def test_the_newest_files_stay(cache, made):
         os.utime(path, (k, k))
     object_file._new_code()
     left = sorted(path.name for path in cache.glob("step-*"))
-    oldest = 12 + 1 - object_file.KEPT
+    oldest = 12 + 1 - object_file.MAX_OBJECT_FILES
     numbers = [f"step-{k:016}.o" for k in range(oldest, 12)]
     assert left == sorted([*numbers, kept_file().name])
 
@@ -263,7 +263,7 @@ def test_the_process_that_builds_imports_nothing_from_the_folder_of_the_user(tmp
         module = tmp_path / folder / "planted" / "build.py"
         module.parent.mkdir(parents=True)
         (module.parent / "__init__.py").touch()
-        text = f"import sys\ndef main(): sys.stdout.buffer.write({marks.MARK + code!r})\n"
+        text = f"import sys\ndef main(): sys.stdout.buffer.write({marks.OBJECT_MARK + code!r})\n"
         module.write_text(text, encoding="utf-8")
     monkeypatch.setattr(object_file, "__package__", "planted")
     monkeypatch.syspath_prepend(tmp_path / "package")
@@ -298,11 +298,12 @@ def test_the_key_is_of_the_layout_of_records_and_of_constants(monkeypatch):
         assert key() != before
     assert key() == before
     modules = {cls.__module__ for cls in marks.records()}
-    assert modules == {Pattern.__module__}
+    files = [name for _, name, _ in iter_modules(records.__path__, f"{records.__name__}.")]
+    assert modules == {system.__name__, *files}
 
 
 def _names(module):
-    functions = [f for f in marks.COMPILED if f.__module__ == module.__name__]
+    functions = [f for f in marks.COMPILED_FUNCTIONS if f.__module__ == module.__name__]
     return {name for function in functions for name in function.__code__.co_names}
 
 
@@ -317,7 +318,7 @@ from duhamel.solver.step.elimination import factorize
 
 def bind(folder):
     (folder / "kept.nbi").touch()
-    for entry in marks.ENTRIES.values():
+    for entry in marks.COMPILED_ENTRIES.values():
         entry.call = lambda *args: ("stock", *args)
 
 stock.bind = bind

@@ -1,7 +1,9 @@
 """What a report leaves out, and what it must not."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
+import k3d
 import numpy as np
 import pytest
 from duhamel import solver
@@ -9,7 +11,7 @@ from duhamel.results.motion import BodyMotion, FrameMotion
 from duhamel.superelement.figures import sphere
 from duhamel.view.report.motion import TURN, motion
 from duhamel.view.report.plots import drawing, plots
-from duhamel.view.report.scene import bounds, largest_value, scene
+from duhamel.view.report.scene import _mark, scene
 from duhamel.view.report.simplify import simplified
 from duhamel.view.report.thinning import kept
 from duhamel.view.space.stage import Stage
@@ -84,14 +86,15 @@ def test_a_thin_plate_keeps_both_its_sides():
 
 def test_points_of_the_animation_are_those_of_a_film(results):
     shown = motion(results)
-    stage = Stage(results, shown.deforming)
-    assert shown.magnification == stage.magnification > 1.0
+    times = shown.deforming.times
+    stage = Stage(results, times)
+    assert shown.moving.magnification == stage.magnification > 1.0
     (beam,) = [shape for shape in shown.shapes if shape.name == "beam"]
-    where = [int(np.abs(shown.time - t).argmin()) for t in shown.deforming]
+    where = [int(np.abs(shown.time - t).argmin()) for t in times]
     poses = beam.poses[where]
     placed = np.einsum("kij,kpj->kpi", poses[:, :3, :3], beam.points + beam.u)
     (body,) = [body for body in stage.bodies if body.name == "beam"]
-    expected = body.position(slice(0, len(shown.deforming)), stage.magnification)
+    expected = body.position(slice(0, len(times)), stage.magnification)
     numbers, _ = simplified(
         results.outline("beam").points, results.outline("beam").triangles, 10**6
     )
@@ -101,37 +104,50 @@ def test_points_of_the_animation_are_those_of_a_film(results):
 def test_deformations_are_enlarged_until_they_are_seen(results):
     shown = motion(results)
     (beam,) = [shape for shape in shown.shapes if shape.name == "beam"]
-    assert shown.magnification > 1.0
+    assert shown.moving.magnification > 1.0
     size = np.ptp(beam.points, axis=0).max()
     assert 0.01 * size < np.linalg.norm(beam.u, axis=-1).max() <= 0.04 * size
 
 
 def test_the_scale_ends_at_the_largest_value_of_all(results):
     shown = motion(results, "displacement")
-    stage = Stage(results, shown.deforming, "displacement")
+    times = shown.deforming.times
+    stage = Stage(results, times, "displacement")
     (body,) = [body for body in stage.bodies if body.name == "beam"]
-    largest = body.values(slice(0, len(shown.deforming)), "displacement").max()
-    assert largest_value(shown) == pytest.approx(largest, rel=1e-12)
+    largest = body.values(slice(0, len(times)), "displacement").max()
+    assert shown.largest == pytest.approx(largest, rel=1e-12)
 
 
 def test_marks_stand_at_their_frames_on_bodies_as_they_are_drawn(results):
     shown = motion(results)
-    marks = {mark.name: mark for mark in shown.marks}
-    clamp = marks["clamp"]
+    named = dict(shown.named)
     rim = results.frame("hub.rim").position
     rows = np.searchsorted(results.time, shown.time)
-    np.testing.assert_allclose(clamp.positions[:, 0], rim[rows], atol=1e-12)
-    assert set(marks) >= {"clamp", EVIL}
+    np.testing.assert_allclose(named["clamp"], rim[rows], atol=1e-12)
+    assert set(named) >= {"clamp", EVIL}
+    *_, clamp = [mark for mark in shown.moving.marks if mark.kind == "joints"]
+    np.testing.assert_allclose(clamp.x, named["clamp"], atol=1e-12)
+
+
+def test_marks_that_are_not_seen_can_be_inverted(results, monkeypatch):
+    """An arrow without a force is of size 0, which K3D would turn by what is no number."""
+    shown, drawn = motion(results), []
+    monkeypatch.setattr(k3d, "mesh", lambda *_, **__: drawn.append(SimpleNamespace()) or drawn[-1])
+    arrows = [mark for mark in shown.moving.marks if mark.kind == "forces"]
+    assert any((mark.A == 0.0).all(axis=(1, 2)).any() for mark in arrows)
+    for mark in arrows:
+        matrices = np.array([*_mark(k3d, shown, mark).model_matrix.values()])
+        assert (np.linalg.det(matrices.astype(float)) > 0.0).all()
 
 
 def test_marks_move_at_all_instants_where_a_large_body_deforms_at_fewer(results, monkeypatch):
     every = motion(results)
     monkeypatch.setattr("duhamel.view.report.motion.POINT_FRAMES", 30 * len(every.shapes[1].points))
     few = motion(results)
-    assert len(few.deforming) == 30 < len(few.time) == len(every.time)
-    assert few.magnification == every.magnification
-    for mark, same in zip(few.marks, every.marks, strict=True):
-        np.testing.assert_allclose(mark.positions, same.positions, atol=1e-12)
+    assert len(few.deforming.times) == 30 < len(few.time) == len(every.time)
+    assert few.moving.magnification == every.moving.magnification
+    for mark, same in zip(few.moving.marks, every.moving.marks, strict=True):
+        np.testing.assert_allclose(mark.x, same.x, atol=1e-12)
 
 
 def test_far_from_the_origin_positions_keep_their_precision(results):
@@ -141,8 +157,7 @@ def test_far_from_the_origin_positions_keep_their_precision(results):
     at_origin = [shape.poses[:, :3, 3] for shape in near.shapes]
     there = [shape.poses[:, :3, 3] + far.origin - AWAY for shape in far.shapes]
     np.testing.assert_allclose(there, at_origin, atol=1e-9)
-    low, high = bounds(far)
-    assert np.abs([low, high]).max() < 2.0
+    assert np.abs(far.box).max() < 2.0
 
 
 class _Moved:

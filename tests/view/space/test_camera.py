@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.view import PictureError
-from duhamel.view.space.camera import Fitting, chosen_axes
+from duhamel.view.camera import Fitting, chosen_axes
 from duhamel.view.space.film import fitted, gravity_of
 from duhamel.view.space.lettering import Frame
 from duhamel.view.space.stage import Stage

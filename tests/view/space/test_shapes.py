@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from duhamel import solver
 from duhamel.results import Results
-from duhamel.view.report.motion import motion
+from duhamel.view.report.motion import motion, poses
 from duhamel.view.space.stage import Stage
 
 MODEL = """
@@ -107,10 +107,10 @@ def test_the_shape_of_a_body_turns_with_it(results, shapes):
 
 
 def test_reports_show_the_same_shapes(results, shapes):
-    shown = motion(results)
-    for around, points in zip(shown.surroundings, shapes, strict=True):
-        pose = around.poses[-1]
-        placed = around.points @ pose[:3, :3].T + pose[:3, 3] + shown.origin
+    marks = [mark for mark in motion(results).moving.marks if mark.kind == "shapes"]
+    for mark, points in zip(marks, shapes, strict=True):
+        pose = poses(mark.x, mark.A)[-1]
+        placed = mark.glyph.points @ pose[:3, :3].T + pose[:3, 3]
         np.testing.assert_allclose(placed, points[-1], atol=1e-9)
 
 

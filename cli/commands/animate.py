@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .arguments import ResultsFile
-from .failures import errors_in_one_line, one_line
+from ..arguments import ResultsFile
+from ..failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
-    from ..view.space import Film
+    from ...view.space import Film
 
 FilmFile = Annotated[
     Path | None,
@@ -120,9 +120,9 @@ def animate(
     """
     _require_sense(at, start, end, frames, fps, seconds)
     began = perf_counter()
-    from .. import results
-    from .. import view as pictures
-    from ..files.outputs import clash
+    from ... import results
+    from ... import view as pictures
+    from ...files.outputs import clash
 
     target = output or results_file.with_suffix(".mp4" if at is None else ".png")
     with errors_in_one_line(results, pictures):
@@ -195,7 +195,7 @@ def told(film: "Film") -> str:
 @contextmanager
 def shown(unit: str) -> Iterator[Callable[[int, int], object]]:
     """Progress with the time that remains, told the parts that are done and all of them."""
-    from ..files.progress import Progress, Work
+    from ...files.progress import Progress, Work
 
     with Progress(Work(unit=unit)) as work:
 

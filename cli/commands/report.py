@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from .animation import shown
-from .arguments import ResultsFile
-from .failures import errors_in_one_line, one_line
+from ..arguments import ResultsFile
+from ..failures import errors_in_one_line, one_line
+from .animate import shown
 
 Page = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="FILE.html", show_default=False)
@@ -33,8 +33,8 @@ def report(
     peaks, contacts, balances, bodies, statistics, the model, and where everything comes from.
     """
     start = perf_counter()
-    from .. import view
-    from ..results import RecoveryError, Results
+    from ... import view
+    from ...results import RecoveryError, Results
 
     target = output or results_file.with_suffix(".html")
     if field not in ("", *view.REPORT_FIELDS):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...superelement.validation import Array
-from ..errors import PictureError
+from ..superelement.validation import Array
+from .errors import PictureError
 
 TILT = np.radians(12.0), np.radians(-10.0)
 """of the look at a motion in a plane, about the axes of the picture across and up"""
@@ -20,6 +20,8 @@ NAMED = {
 }
 """views onto planes: towards the eye, and up"""
 ISO = np.array([1.0, -1.35, 0.8])
+"""the usual direction towards the eye"""
+UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,7 @@ def chosen_axes(view: str, spread: Array, gravity: Array | None) -> Array:
     view: "" for the choice, "iso", "xy", "xz", "yz" or "x,y,z", towards the eye; spread (3, 3):
     covariance of the points of all frames; gravity (3,), or None: against it is up.
     """
-    up = np.array([0.0, 0.0, 1.0])
+    up = UP
     if gravity is not None and np.linalg.norm(gravity) > 0.0:
         up = -np.asarray(gravity, dtype=float) / np.linalg.norm(gravity)
     if view in NAMED:
@@ -127,6 +129,11 @@ class Fitting:
         if len(flat):
             self._low = np.minimum(self._low, flat.min(axis=0) - around)
             self._high = np.maximum(self._high, flat.max(axis=0) + around)
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Its smallest and largest coordinates (3,), (3,) along the axes of the camera [m]."""
+        return self._low, self._high
 
     def camera(self, aspect: float) -> Camera:
         """For pictures of this width over height."""

@@ -1,4 +1,4 @@
-"""A moment of a `Simulator`, to which it can go back."""
+"""The saved state of a `Simulator`, to which it can go back."""
 
 import os
 from pathlib import Path
@@ -11,7 +11,7 @@ from .file import StateFile, read_state
 from .identity import Identity, identity_of
 
 
-class Moment:
+class SavedState:
     """The state of a `Simulator` after a step, as `Simulator.save` gives it.
 
     It is a copy that no later step changes, for any number of `Simulator.restore`, also of another
@@ -36,7 +36,7 @@ class Moment:
             raise ResultsError(f"{path}: cannot be written: {in_words(error)}") from error
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> "Moment":
+    def read(cls, path: str | os.PathLike[str]) -> "SavedState":
         """The state in a file; `StateError` for a file that is none, or damaged."""
         file = read_state(Path(path))
         return cls(file.snapshot, None, file.identity)
@@ -54,3 +54,7 @@ class Moment:
             self.identity.check_model(lowered.model)
             self.identity.check_steps(lowered)
             self.identity.check_system(lowered)
+
+
+Moment = SavedState
+"""the former name of `SavedState`"""

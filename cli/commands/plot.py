@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from .arguments import time_or_worst
-from .completion import files as completed
-from .failures import errors_in_one_line, one_line
+from ..arguments import Gravities, time_or_worst
+from ..completion import files as completed
+from ..failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
-    from ..results.transforms import Window
-    from ..view import Curve, Run
+    from ...results.transforms import Window
+    from ...view import Curve, Run
 
 CSV = ".csv"
 """suffix of summaries of studies"""
@@ -42,7 +42,6 @@ Title = Annotated[
     str | None,
     typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
 ]
-Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Start = Annotated[
     float | None,
     typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
@@ -113,8 +112,8 @@ def plot(
             raise typer.BadParameter("the summary of a study is drawn alone, without other files")
         plot_summary(files[0], quantities, output, title)
         return
-    from .. import results, view
-    from ..files.outputs import clash
+    from ... import results, view
+    from ...files.outputs import clash
 
     window, inches, time = _window(start, end), _inches(size), _time(at, field)
     if field and (quantities or len(files) > 1 or inches is not None):
@@ -162,7 +161,7 @@ def _is_file(path: Path) -> bool:
 def _panels(
     runs: "Sequence[Run]", quantities: Sequence[str], gravities: bool, window: "Window | None"
 ) -> "list[list[Curve]]":
-    from .. import view
+    from ... import view
 
     if quantities:
         return [view.panel(runs, text, gravities, window) for text in quantities]
@@ -186,7 +185,7 @@ def _with_overlays(
     panels: "Sequence[list[Curve]]", overlays: Sequence[str], window: "Window | None"
 ) -> "list[list[Curve]]":
     """The panels with measured curves: all in the only panel, or one in each."""
-    from .. import solver, view
+    from ... import solver, view
 
     drawn = list(panels)
     with errors_in_one_line(solver):
@@ -246,9 +245,9 @@ def plot_summary(
     summary: Path, names: Sequence[str], output: Path | None, title: str | None
 ) -> None:
     """Draw the summary of a study: SUMMARY.png beside it, unless given."""
-    from .. import study, view
-    from ..files.outputs import clash
-    from .variation import draw
+    from ... import study, view
+    from ...files.outputs import clash
+    from ..variation import draw
 
     target = output or summary.with_suffix(".png")
     with errors_in_one_line(study, view):

@@ -1,0 +1,28 @@
+"""The commands, an open set: each is a file of this folder, with a function of the file's name.
+
+Its docstring and its arguments are the help; those that several commands have are in arguments.py.
+Commands are imported to show the help of all, so they import what they need when they are called.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+HELP_ORDER = (
+    *("preprocess", "run", "sweep", "peaks", "explain", "info", "check"),
+    *("plot", "report", "animate", "export", "modes", "frf", "campbell", "init", "schema"),
+)
+"""which has all others after these"""
+
+
+def command_names() -> list[str]:
+    """The names of all commands."""
+    names = {path.stem for path in Path(__file__).parent.glob("[!_]*.py")}
+    return [*HELP_ORDER, *sorted(names.difference(HELP_ORDER))]
+
+
+def command_of(name: str) -> Callable[..., Any]:
+    """The function of a command."""
+    function: Callable[..., Any] = getattr(import_module(f"{__name__}.{name}"), name)
+    return function

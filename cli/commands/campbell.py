@@ -1,0 +1,59 @@
+"""`duhamel campbell`."""
+
+from typing import Annotated
+
+import typer
+
+from ..arguments import ModelFile
+from ..failures import errors_in_one_line, one_line
+from ..linear import LinearOutput, ModeCount, require_no_model, tell_validity, write_output
+
+Spins = Annotated[
+    tuple[float, float, int],
+    typer.Option("--spin", metavar="FROM TO COUNT", help="Speeds in rad/s."),
+]
+Orders = Annotated[
+    str, typer.Option(metavar="ORDER,ORDER", help="Engine orders: times a revolution.")
+]
+
+
+def campbell(
+    model_file: ModelFile,
+    spin: Spins,
+    n: ModeCount = 8,
+    orders: Orders = "1",
+    output: LinearOutput = None,
+) -> None:
+    """Frequencies over the spin: MODEL-campbell.png beside the model file, unless given.
+
+    About the axis and the center of the steady_rotation of the model.
+    """
+    import numpy as np
+    from rich.console import Console
+
+    from ... import solver, superelement, view
+    from ..linear_report import campbell_picture, campbell_rows, campbell_tables, crossing_lines
+
+    target = output or model_file.with_name(f"{model_file.stem}-campbell.png")
+    try:
+        wanted = [float(order) for order in orders.split(",") if order.strip()]
+    except ValueError as error:
+        raise typer.BadParameter(f"--orders: expected numbers, found {orders!r}") from error
+    first, last, count = spin
+    if not 0.0 <= first < last < float("inf") or count < 2:
+        raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")
+    with errors_in_one_line(solver, superelement, view):
+        require_no_model(target, model_file)
+        model = solver.read_model(model_file)
+        spins = np.linspace(first, last, count).tolist()
+        diagram = solver.campbell(model, spins, n, progress=True)
+        for table in campbell_tables(model_file.stem, diagram):
+            Console().print(table)
+        for line in crossing_lines(diagram, wanted):
+            typer.echo(one_line(line))
+        tell_validity(model, diagram.validity)
+        write_output(
+            target,
+            campbell_rows(diagram),
+            lambda: campbell_picture(model_file.stem, diagram, wanted),
+        )

@@ -1,0 +1,135 @@
+"""`duhamel export`: results for ParaView, for tables, for MATLAB, loads for Abaqus and Nastran."""
+
+from math import isfinite
+from pathlib import Path
+from textwrap import fill
+from time import perf_counter
+from typing import Annotated
+
+import typer
+
+from ..arguments import ResultsFile, time_or_worst
+from ..exports import EXPORT_OPTIONS, EXPORTS, Asked, described, takers
+from ..failures import errors_in_one_line, one_line
+
+HELP_WIDTH = 93
+"""characters of a line of help"""
+
+Folder = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)
+]
+Quantities = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="QUANTITY",
+        help=f"For {takers('quantities')}, as velocity:hub:x or 'force:*'; all that was recorded "
+        "unless given.",
+        show_default=False,
+    ),
+]
+To = Annotated[
+    str,
+    typer.Option(
+        "--to",
+        metavar=f"<{'|'.join(EXPORTS)}>",
+        help="The format, as described above.",
+        autocompletion=lambda incomplete: [name for name in EXPORTS if name.startswith(incomplete)],
+    ),
+]
+At = Annotated[
+    str | None,
+    typer.Option(
+        "--at",
+        metavar="SECONDS",
+        help="The instant of loads, or worst, that of the largest load.",
+        show_default=False,
+    ),
+]
+BodyNames = Annotated[
+    list[str] | None,
+    typer.Option("--body", metavar="NAME", help="For loads; all flexible bodies unless given."),
+]
+Start = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="From this time.")]
+End = Annotated[float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time.")]
+Frames = Annotated[
+    int | None,
+    typer.Option(min=1, help=f"Steps for {takers('film')}, evenly over time: 200 unless given."),
+]
+All = Annotated[bool, typer.Option("--all", help=f"Every recorded step for {takers('film')}.")]
+Magnified = Annotated[
+    float | None,
+    typer.Option(
+        "--magnify",
+        metavar="NUMBER",
+        help=f"Elastic displacements for {takers('film')}, times this.",
+    ),
+]
+
+
+def export(
+    results_file: ResultsFile,
+    folder: Folder,
+    quantities: Quantities = None,
+    to: To = "vtk",
+    start: Start = None,
+    end: End = None,
+    frames: Frames = None,
+    every: All = False,
+    magnify: Magnified = None,
+    at: At = None,
+    bodies: BodyNames = None,
+) -> None:
+    """Write results for other programs into a folder."""
+    _require_sense(
+        to,
+        {
+            "quantities": bool(quantities),
+            "window": start is not None or end is not None,
+            "film": frames is not None or every or magnify is not None,
+            "instant": at is not None or bool(bodies),
+        },
+    )
+    if magnify is not None and not isfinite(magnify):
+        raise typer.BadParameter(f"--magnify: expected a number, found {magnify}")
+    if frames is not None and every:
+        raise typer.BadParameter("expected one of --frames and --all")
+    when = time_or_worst(at)
+    begin = perf_counter()
+    from ... import files, results
+    from ...files.progress import Progress, Work
+    from ...results.steps import window
+
+    with errors_in_one_line(results, files), Progress(Work("writing")):
+        read = results.Results.read(results_file)
+        for path in folder.glob(f"*{EXPORTS[to].suffix}"):
+            files.require_no_input(path, [results_file])
+        asked = Asked(
+            results=read,
+            folder=folder,
+            stem=results_file.stem,
+            rows=window(read.time, start, end),
+            quantities=quantities or (),
+            frames=frames,
+            every=every,
+            magnify=magnify,
+            at=when,
+            bodies=bodies or (),
+        )
+        written = EXPORTS[to].write(asked)
+    for path in written:
+        typer.echo(one_line(f"{path}: {path.stat().st_size / 1e6:.3g} MB"))
+    typer.echo(one_line(f"{len(written)} files, {perf_counter() - begin:.1f} s"))
+
+
+# Typer reads the help of a command from its docstring.
+export.__doc__ = f"{export.__doc__}\n\n{fill(described(), HELP_WIDTH)}"
+
+
+def _require_sense(to: str, given: dict[str, bool]) -> None:
+    """Refuse a format that there is not, and what it would pass over."""
+    if to not in EXPORTS:
+        raise typer.BadParameter(f"--to: expected one of {', '.join(EXPORTS)}, found {to!r}")
+    for option, is_given in given.items():
+        if is_given and option not in EXPORTS[to].takes:
+            expected = f"{EXPORT_OPTIONS[option]} go with --to {takers(option)}"
+            raise typer.BadParameter(f"{expected}, found --to {to}")

@@ -1,0 +1,31 @@
+"""`duhamel modes`."""
+
+from ..arguments import ModelFile
+from ..failures import errors_in_one_line
+from ..linear import (
+    LinearOutput,
+    ModeCount,
+    linear_title,
+    require_no_model,
+    tell_validity,
+    write_output,
+)
+
+
+def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:
+    """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
+    from rich.console import Console
+
+    from ... import solver, superelement, view
+    from ..linear_report import modes_csv, modes_picture, modes_table
+
+    with errors_in_one_line(solver, superelement, view):
+        require_no_model(output, model_file)
+        model = solver.read_model(model_file)
+        linear = solver.linearize(model)
+        found = linear.modes(n)
+        title = linear_title(model_file, linear.spin)
+        Console().print(modes_table(title, found))
+        tell_validity(model, linear.validity(found))
+        if output is not None:
+            write_output(output, modes_csv(found), lambda: modes_picture(title, linear, found))

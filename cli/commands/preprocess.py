@@ -1,0 +1,121 @@
+"""`duhamel preprocess`."""
+
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..arguments import TOML
+from ..completion import files as files_of
+from ..failures import errors_in_one_line, one_line, unwritten
+
+if TYPE_CHECKING:
+    from ...superelement import Superelement
+
+BodyFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="BODY.toml",
+        help="Mesh, section or material, interfaces.",
+        autocompletion=files_of(TOML),
+    ),
+]
+PreprocessOutput = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="The superelement, or the picture.",
+        show_default=False,
+    ),
+]
+DryRun = Annotated[
+    bool,
+    typer.Option(
+        "--dry-run",
+        help="Only report on the mesh and the cost, and draw it: BODY.png beside the body file.",
+    ),
+]
+Processes = Annotated[
+    int | None,
+    typer.Option(
+        "--mpi",
+        metavar="N",
+        min=1,
+        help="Spread the mesh over N processes, by MPI and PETSc: for millions of unknowns.",
+        show_default=False,
+    ),
+]
+
+
+def preprocess(
+    body_file: BodyFile,
+    output: PreprocessOutput = None,
+    dry_run: DryRun = False,
+    mpi: Processes = None,
+) -> None:
+    """Turn a mesh into a superelement: BODY.h5 beside the body file, unless given."""
+    if dry_run and mpi is not None:
+        raise typer.BadParameter("--mpi goes without --dry-run")
+    from ... import preprocess
+    from ..spread import run_spread, spread_build
+
+    if dry_run:
+        _survey(body_file, output)
+    elif mpi is not None:
+        with errors_in_one_line(preprocess):
+            run_spread(mpi, body_file, output)
+    else:
+        with errors_in_one_line(preprocess, about=body_file):
+            build = spread_build()
+        if build is not None:
+            _preprocess(body_file, output, build)
+
+
+def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Superelement]") -> None:
+    start = perf_counter()
+    from ... import files, preprocess, superelement
+    from ..description import loss_in_words
+
+    target = output or body_file.with_suffix(".h5")
+    with errors_in_one_line(files, preprocess, superelement):
+        body = preprocess.read_body(body_file)
+        superelement.require_writable(target)
+        files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    doubts = list(preprocess.doubts_of_body(body))
+    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
+        element = build(body, progress=True, told=doubts.append)
+    for doubt in doubts:
+        typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
+    with errors_in_one_line(superelement):
+        superelement.write(element, target)
+    if element.modes is not None and element.modes.chain is not None:
+        typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
+    megabytes = target.stat().st_size / 1e6
+    seconds = perf_counter() - start
+    if body.impulse.modes is not None:
+        kernel, method = element.kernel, element.provenance.method
+        typer.echo(f"{method}: error {kernel.error:.2g} up to {kernel.band:.5g} Hz")
+    typer.echo(one_line(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {seconds:.2f} s"))
+
+
+def _survey(body_file: Path, output: Path | None) -> None:
+    from rich.console import Console
+
+    from ... import files, preprocess, view
+    from ...preprocess.survey import survey
+    from ..survey import report, scene
+
+    target = output or body_file.with_suffix(".png")
+    with errors_in_one_line(files, preprocess, view):
+        body = preprocess.read_body(body_file)
+        files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    with errors_in_one_line(preprocess, about=body_file):
+        surveyed = survey(body, progress=True)
+    with errors_in_one_line(view):
+        view.save(view.draw_scene(scene(surveyed)), target)
+    Console().print(report(surveyed))
+    typer.echo(one_line(target))
