@@ -366,7 +366,7 @@ def _check_same_run(path: Path, run: str, contents: Contents, extent: Extent) ->
     for name, found, least in zip(Extent._fields, source.extent, extent, strict=True):
         if found < least:
             raise ResultsError(
-                f"{path}: {found} {name}, expected the {least} of the state beside them or more"
+                f"{path}: expected {least} {name} or more, as in the state beside it, found {found}"
             )
     if difference := contents.difference(source.contents()):
         raise ResultsError(f"{path}: {difference}")

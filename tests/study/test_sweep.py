@@ -119,8 +119,7 @@ def test_what_looks_wrong_in_a_case_is_among_its_warnings(study_file):
     text = STUDY.replace("[8, 4, 2]", values).replace("[2, 2, 4], ", "")
     _, (calm, fast) = run(study_file(text))
     assert calm.warnings == ()
-    expected = "case-0002.toml: loads.0.signal: its highest frequency, 900 Hz, has 2.2"
-    assert expected in fast.warnings[0]
+    assert fast.warnings[0].startswith("loads.0.signal: its highest frequency, 900 Hz, has 2.2")
 
 
 def test_other_outputs_are_read_from_the_results_that_are_there(study_file):
