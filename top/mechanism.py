@@ -137,7 +137,8 @@ class Mechanism:
         self.bodies: dict[str, Body] = {}
         self.ground_frames: dict[str, solver.Frame] = {}
         self.settings = solver.Settings(t_end=1.0)
-        """of the last simulation, with which `write` writes a model file"""
+        """from which each simulation begins: those of the model file, if there is one"""
+        self._last = self.settings
         self._entries: dict[str, tuple[Any, ...]] = dict.fromkeys(MODEL_GROUPS, ())
         self._path = ""
 
@@ -147,7 +148,8 @@ class Mechanism:
         model = solver.read_model(path)
         made = cls(model.gravity)
         made.bodies, made.ground_frames = dict(model.bodies), dict(model.ground_frames)
-        made.settings, made._path = model.settings, model.path
+        made.settings = made._last = model.settings
+        made._path = model.path
         made._entries = {group: getattr(model, group) for group in MODEL_GROUPS}
         return made
 
@@ -237,9 +239,9 @@ class Mechanism:
         """The mechanism as the solver takes it; `ModelError` says what is wrong with it."""
         entries: dict[str, Any] = self._entries
         return solver.Model(
-            bodies=self.bodies,
+            bodies=dict(self.bodies),
             gravity=self.gravity,
-            ground_frames=self.ground_frames,
+            ground_frames=dict(self.ground_frames),
             settings=settings or self.settings,
             path=self._path,
             **entries,
@@ -260,7 +262,7 @@ class Mechanism:
         Parameters
         ----------
         t_end : float [s]
-            By default that of the last simulation, or of the model file.
+            By default that of the model file, or 1 s.
         step : float [s]
             By default that of the superelements.
         output : path
@@ -282,9 +284,9 @@ class Mechanism:
         ------
         ModelError, ConvergenceError, OutOfRangeError, MissedContactError
         """
-        self.settings = self._settings(t_end, step, settings)
-        results = solver.simulate(self.model(), output=output, progress=progress, resume=resume)
-        return Run(results)
+        self._last = self._settings(t_end, step, settings)
+        model = self.model(self._last)
+        return Run(solver.simulate(model, output=output, progress=progress, resume=resume))
 
     def simulator(
         self,
@@ -296,12 +298,17 @@ class Mechanism:
         **settings: Any,
     ) -> solver.Simulator:
         """A simulation step by step, for controllers: see `duhamel.solver.Simulator`."""
-        self.settings = self._settings(t_end, step, settings)
-        return solver.Simulator(self.model(), outputs, results=results)
+        self._last = self._settings(t_end, step, settings)
+        return solver.Simulator(self.model(self._last), outputs, results=results)
 
-    def check(self) -> solver.ModelCheck:
-        """What a run would be: degrees of freedom, frequencies, damping, time, memory, warnings."""
-        return solver.check(self.model())
+    def check(
+        self, t_end: float | None = None, step: float | None = None, **settings: Any
+    ) -> solver.ModelCheck:
+        """What a run would be: degrees of freedom, frequencies, damping, time, memory, warnings.
+
+        The parameters are those of `simulate`.
+        """
+        return solver.check(self.model(self._settings(t_end, step, settings)))
 
     def linear(self, angular_velocity: ArrayLike | None = None) -> solver.LinearModel:
         """The linear equations about the equilibrium, at rest or in a steady rotation [rad/s]."""
@@ -367,7 +374,7 @@ class Mechanism:
         the last simulation.
         """
         path = Path(path)
-        model = self.model()
+        model = self.model(self._last)
         bodies = dict(model.bodies)
         for name, body in bodies.items():
             if not isinstance(body, solver.RigidBody) and not body.source:

@@ -117,7 +117,24 @@ def test_a_mechanism_is_written_with_its_superelements_and_settings(element, tmp
     assert (tmp_path / "pendulum-rod.h5").is_file()
     again = du.Mechanism.read(tmp_path / "pendulum.toml")
     assert again.settings.rho_inf == 0.8
+    assert m.settings.rho_inf is None
     same(again.simulate().results, run.results)
+
+
+def test_a_simulation_leaves_no_settings_to_the_next(element):
+    m = pendulum(element)
+    first = m.simulate(2e-3)
+    m.simulate(1e-3, step=2.5e-5, rho_inf=0.5)
+    same(m.simulate(2e-3).results, first.results)
+    assert m.check(1e-3).step == pytest.approx(1e-4)
+    assert m.check(1e-3, step=5e-5).step == pytest.approx(5e-5)
+
+
+def test_a_model_does_not_change_with_its_mechanism(element):
+    m = pendulum(element)
+    model = m.model()
+    m.add(du.RigidBody(1.0, [1.0] * 3), name="late")
+    assert set(model.bodies) == {"hub", "rod"}
 
 
 def test_handles_name_bodies_frames_and_couplings(element):
