@@ -15,17 +15,20 @@ from .heaps import require_ending_heaps
 from .memory import available
 from .regular import FileError, in_one_line, require_regular
 
+# Bounds the time that a visit of all groups and datasets takes.
 MOST_LINKS = 100_000
-"""of a file"""
-SMALL = 1 << 26
-"""bytes up to which a dataset may declare more than it stores: what was never written is zero"""
-RATIO = 100
-"""of declared to stored bytes; numbers that vary are compressed to no less than a tenth"""
-UNASKED = 1 << 20
-"""bytes that are read without asking what memory is free: that takes longer than to read them"""
+# A dataset may declare more than it stores, for what was never written is zero; up to here that
+# does no harm.
+MAX_SPARSE_BYTES = 1 << 26
+# Of declared to stored bytes. Numbers that vary compress to no less than a tenth, so more is a
+# file made to exhaust memory.
+MAX_COMPRESSION_RATIO = 100
+# Asking how much memory is free takes longer than to read as little as this.
+UNCHECKED_BYTES = 1 << 20
+# 64 MiB of text in a dataset or an attribute.
 MOST_TEXT = 1 << 26
-"""bytes of text in a dataset or an attribute"""
-DAMAGE = (
+# h5py raises any of them for wrong bytes, depending on where in the structure they are.
+DAMAGE_ERRORS = (
     ArithmeticError,
     LookupError,
     OSError,
@@ -33,7 +36,6 @@ DAMAGE = (
     TypeError,
     ValueError,
 )
-"""exceptions of h5py on a file with wrong bytes, each for other parts of its structure"""
 
 
 @contextmanager
@@ -56,7 +58,7 @@ def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h
         raise failure(f"{os.fspath(path)}: {error}") from error
     except MemoryError as error:
         raise failure(f"{os.fspath(path)}: out of memory: {in_one_line(error)}") from error
-    except DAMAGE as error:
+    except DAMAGE_ERRORS as error:
         why = in_one_line(error)
         raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {why}") from error
 
@@ -92,7 +94,7 @@ def whole(dataset: h5py.Dataset) -> Any:
     """All of a dataset; `FileError` where it has no values or does not fit into memory."""
     if dataset.shape is None:
         raise FileError(f"{_shown(dataset.name)}: expected values, found an empty dataset")
-    if dataset.nbytes > UNASKED and dataset.nbytes > (free := available()):
+    if dataset.nbytes > UNCHECKED_BYTES and dataset.nbytes > (free := available()):
         raise FileError(
             f"{_shown(dataset.name)}: expected at most the {free} bytes of memory that are free, "
             f"found {dataset.nbytes} of shape {dataset.shape}"
@@ -141,9 +143,10 @@ def _require_stored(name: str, dataset: h5py.Dataset) -> None:
     if dataset.is_virtual:
         raise FileError(f"{name}: expected numbers in this file, found a virtual dataset")
     declared, stored = _declared(dataset), dataset.id.get_storage_size()
-    if declared > max(SMALL, RATIO * stored):
+    if declared > max(MAX_SPARSE_BYTES, MAX_COMPRESSION_RATIO * stored):
         raise FileError(
-            f"{name}: expected at most {RATIO} times what is stored, {stored} bytes, "
+            f"{name}: expected at most {MAX_COMPRESSION_RATIO} times what is stored, {stored} "
+            "bytes, "
             f"found {declared} of shape {dataset.shape}"
         )
 

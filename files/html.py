@@ -5,8 +5,8 @@ from html import escape
 
 Row = tuple[str, str]
 """what it is, and its value; a value of several lines keeps them"""
-LONGEST = 2000
-"""characters of a value"""
+# Characters; a longer value would hide the rest of the table.
+MAX_HTML_VALUE = 2000
 
 
 def table(title: str, rows: Iterable[Row]) -> str:
@@ -27,5 +27,5 @@ def listed(names: Iterable[str], most: int = 10) -> str:
 
 
 def _text(text: str) -> str:
-    shown = text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
+    shown = text if len(text) <= MAX_HTML_VALUE else f"{text[:MAX_HTML_VALUE]}..."
     return escape(shown).replace("\n", "<br>")

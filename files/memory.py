@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path("/")
+FILE_SYSTEM_ROOT = Path("/")
 
 
 def gigabytes(size: float) -> str:
@@ -24,7 +24,7 @@ def shortage(size: float) -> str:
     return f"needs {gigabytes(size)} of memory, {gigabytes(free)} are available"
 
 
-def available(root: Path = ROOT) -> int:
+def available(root: Path = FILE_SYSTEM_ROOT) -> int:
     """Bytes that this process may still take: of the machine, of the control groups that it runs
     in, and of its limit of address space.
 
@@ -80,13 +80,13 @@ class _Controller(NamedTuple):
     cache: str
 
 
-V1 = _Controller(
+CGROUP_V1 = _Controller(
     "sys/fs/cgroup/memory",
     "memory.limit_in_bytes",
     "memory.usage_in_bytes",
     "total_inactive_file",
 )
-V2 = _Controller("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file")
+CGROUP_V2 = _Controller("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file")
 
 
 def _control_groups(root: Path) -> Iterator[int]:
@@ -95,9 +95,9 @@ def _control_groups(root: Path) -> Iterator[int]:
     for line in path.read_text().splitlines() if path.exists() else ():
         _, controllers, group = line.split(":", 2)
         if not controllers:
-            controller = V2
+            controller = CGROUP_V2
         elif "memory" in controllers.split(","):
-            controller = V1
+            controller = CGROUP_V1
         else:
             continue
         top = root / controller.top

@@ -11,8 +11,8 @@ from pathlib import Path
 from platform import node
 from typing import Any
 
-KEPT = 50
-"""characters of a name that its temporary file has too: names end at 255 bytes"""
+# File systems end names at 255 bytes, and a temporary name is longer than that of its file.
+MAX_KEPT_NAME = 50
 
 AnyPath = str | os.PathLike[str]
 
@@ -107,7 +107,7 @@ def _remove(path: Path) -> None:
 
 def _prefix(path: Path) -> str:
     """What names of temporary files begin with: on a shared disk, by machine."""
-    return f".{path.name[:KEPT]}.{zlib.crc32(node().encode()):08x}."
+    return f".{path.name[:MAX_KEPT_NAME]}.{zlib.crc32(node().encode()):08x}."
 
 
 def _alive(process: int) -> bool:

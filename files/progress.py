@@ -10,12 +10,12 @@ from threading import Event, Thread
 from time import perf_counter
 from types import TracebackType
 
-INTERVAL = 5.0
-"""between lines of progress where there is no terminal [s]"""
-FIRST = 1.0
-"""before a bar is shown [s]"""
-RENEWED = 0.2
-"""between pictures of a bar [s]"""
+# [s] between lines of progress where there is no terminal.
+LINE_INTERVAL = 5.0
+# [s]: work that is shorter shows no bar, which would only flicker.
+BAR_DELAY = 1.0
+# [s] between pictures of a bar.
+BAR_INTERVAL = 0.2
 
 
 class Work:
@@ -107,12 +107,12 @@ def _is_terminal() -> bool:
 def _as_lines(work: Work, ended: Event) -> None:
     # A pipe that nobody reads any more ends the telling, not the work.
     with suppress(OSError, ValueError, AttributeError):
-        while not ended.wait(INTERVAL):
+        while not ended.wait(LINE_INTERVAL):
             print(work, file=sys.stderr, flush=True)
 
 
 def _as_bar(work: Work, ended: Event) -> None:
-    if ended.wait(FIRST):
+    if ended.wait(BAR_DELAY):
         return
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
@@ -124,5 +124,5 @@ def _as_bar(work: Work, ended: Event) -> None:
         task = bar.add_task(str(work), total=work.total)
         while True:
             bar.update(task, total=work.total, completed=work.done, description=str(work))
-            if ended.wait(RENEWED):
+            if ended.wait(BAR_INTERVAL):
                 return

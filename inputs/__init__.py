@@ -2,7 +2,7 @@
 
 from .errors import InputError, dotted, quoted
 from .json_schema import Also, Shown, document_of, member_of
-from .names import FORM as FORM_OF_NAMES
+from .names import NAME_FORM as FORM_OF_NAMES
 from .names import is_name
 from .table import Table, Vector, expected, read_part, read_table
 from .text import parse_toml, read_text, read_toml

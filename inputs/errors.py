@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from reprlib import Repr
 from typing import Any
 
-QUOTED = 200
-"""characters of a value that an error quotes"""
+# An error stays on a few lines of a terminal whatever the file holds.
+MAX_QUOTED_LENGTH = 200
 
 
 class InputError(ValueError):
@@ -13,26 +13,30 @@ class InputError(ValueError):
 
 
 class _Quotation(Repr):
-    """Values in at most `QUOTED` characters: long ones with an ellipsis in the middle."""
+    """Shortens values to `MAX_QUOTED_LENGTH` characters, with an ellipsis in the middle."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.maxlevel, self.maxstring, self.maxother = 4, QUOTED, QUOTED
+        self.maxlevel, self.maxstring, self.maxother = 4, MAX_QUOTED_LENGTH, MAX_QUOTED_LENGTH
         self.maxtuple = self.maxlist = self.maxdict = 20
 
     def repr_int(self, x: int, level: int) -> str:
         # Python refuses to write out integers of thousands of digits.
-        return repr(x) if x.bit_length() < 3 * QUOTED else f"an integer of {x.bit_length()} bits"
+        return (
+            repr(x)
+            if x.bit_length() < 3 * MAX_QUOTED_LENGTH
+            else f"an integer of {x.bit_length()} bits"
+        )
 
 
 def quoted(value: Any) -> str:
     """A value as errors quote it, in one line and not at length."""
     text = _Quotation().repr(value)
-    return text if len(text) <= QUOTED else f"{text[: QUOTED - 3]}..."
+    return text if len(text) <= MAX_QUOTED_LENGTH else f"{text[: MAX_QUOTED_LENGTH - 3]}..."
 
 
 def dotted(keys: Iterable[str]) -> str:
     """Keys within one another as errors name them; those that are no plain words are quoted."""
     return ".".join(
-        key if key.isprintable() and len(key) <= QUOTED else quoted(key) for key in keys
+        key if key.isprintable() and len(key) <= MAX_QUOTED_LENGTH else quoted(key) for key in keys
     )

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-DRAFT = "http://json-schema.org/draft-07/schema#"
-"""as editors know it"""
-END = re.compile(r"(?<=[.]) (?=[A-Z`])")
-"""between two sentences"""
+# The draft that TOML extensions of editors support.
+SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
+# Descriptions are cut after the first sentence; abbreviations are not followed by a capital.
+SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z`])")
 Schema = dict[str, Any]
-NONE: Mapping[str, Any] = {}
+NO_SCHEMA: Mapping[str, Any] = {}
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def member_of(family: str) -> Schema:
 def document_of(
     kind: type[Any],
     title: str,
-    families: Mapping[str, Callable[[Mapping[type, Schema]], Schema]] = NONE,
+    families: Mapping[str, Callable[[Mapping[type, Schema]], Schema]] = NO_SCHEMA,
     members: Iterable[type[Any]] = (),
 ) -> Schema:
     """The JSON schema of the files that a table describes.
@@ -64,7 +64,7 @@ def document_of(
     name = found[kind]["$ref"].rpartition("/")[2]
     top = definitions.pop(name)
     shared = {key: _plain(value) for key, value in sorted(definitions.items())}
-    return {"$schema": DRAFT, **_plain(top), "title": title, "$defs": shared}
+    return {"$schema": SCHEMA_DRAFT, **_plain(top), "title": title, "$defs": shared}
 
 
 def describe(schema: Schema, documented: Iterable[type[Any]]) -> None:
@@ -91,7 +91,7 @@ def words_of(text: str, names: list[str]) -> dict[str, str]:
         starts = list(start.finditer(line))
         for here, there in zip(starts, [*starts[1:], None], strict=False):
             clause = line[here.start() : there.start() if there else len(line)]
-            words = END.split(clause.strip().rstrip(";"))[0]
+            words = SENTENCE_END.split(clause.strip().rstrip(";"))[0]
             for key in re.findall(name, here[1]):
                 found.setdefault(key.strip("`"), words)
     return found

@@ -1,18 +1,20 @@
 """Names that users give to what they make."""
 
-LONGEST = 100
-"""characters"""
+# Characters; a name must fit into messages, legends and names of files.
+MAX_NAME_LENGTH = 100
 
 
-SEPARATORS = frozenset("./:")
-"""They separate names: frames from bodies, groups of files, the parts of a quantity."""
-FORM = f"1 to {LONGEST} printable characters without '.', '/' and ':'"
-"""of a name, in the words of errors"""
+# They separate names: frames from bodies, groups of files, the parts of a quantity.
+NAME_SEPARATORS = frozenset("./:")
+# What a name must be, in the words of errors.
+NAME_FORM = f"1 to {MAX_NAME_LENGTH} printable characters without '.', '/' and ':'"
 
 
 def is_name(name: str) -> bool:
     """True for a name that can stand in references to frames, in files and in quantities.
 
-    It has 1 to `LONGEST` printable characters and none of `SEPARATORS`.
+    It has 1 to `MAX_NAME_LENGTH` printable characters and none of `NAME_SEPARATORS`.
     """
-    return 0 < len(name) <= LONGEST and name.isprintable() and not SEPARATORS & set(name)
+    return (
+        0 < len(name) <= MAX_NAME_LENGTH and name.isprintable() and not NAME_SEPARATORS & set(name)
+    )

@@ -18,10 +18,10 @@ from .errors import InputError, dotted, quoted
 from .json_schema import describe
 from .text import parse_toml, read_text
 
-LONGEST = 1000
-"""characters of a text"""
+# Characters: a text is a name, a path, a formula or a line of words.
+MAX_TEXT_LENGTH = 1000
+# One line reports as many; further ones often follow from the first.
 MOST_FAILURES = 5
-"""of a file that one line tells"""
 
 
 def expected(form: str) -> WrapValidator:
@@ -61,7 +61,11 @@ class Table(_Model):
     """A table of a file: frozen, of finite numbers, without unknown keys; text is no number."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, strict=True, str_max_length=LONGEST
+        extra="forbid",
+        frozen=True,
+        allow_inf_nan=False,
+        strict=True,
+        str_max_length=MAX_TEXT_LENGTH,
     )
 
     documented: ClassVar[tuple[type[Any], ...]] = ()

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from ..files import FileError, in_one_line, require_regular
-from .errors import QUOTED, InputError, dotted, quoted
+from .errors import MAX_QUOTED_LENGTH, InputError, dotted, quoted
 
+# 64 MiB: files that people write are far smaller, so a larger one is a mistake.
 MOST_BYTES = 1 << 26
-"""of a text file"""
-DEEPEST = 32
-"""tables and arrays within one another"""
-INTEGERS = range(-(1 << 63), 1 << 63)
-"""those of TOML"""
+# Deeper tables are a mistake, or made to exhaust the stack of what reads them.
+MAX_NESTING = 32
+# TOML promises 64 bits; Python would read any number of digits.
+TOML_INTEGERS = range(-(1 << 63), 1 << 63)
 Keys = tuple[str, ...]
 
 
@@ -50,7 +50,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     except RecursionError as error:
         raise _too_deep() from error
     except ValueError as error:  # also an integer of thousands of digits, a date that there is not
-        raise InputError(f"not a TOML file: {in_one_line(error)[:QUOTED]}") from error
+        raise InputError(f"not a TOML file: {in_one_line(error)[:MAX_QUOTED_LENGTH]}") from error
     _check(document)
     return document
 
@@ -58,10 +58,10 @@ def parse_toml(text: str) -> dict[str, Any]:
 def _check(document: dict[str, Any]) -> None:
     """`InputError` for what is nested too deep, and for integers that TOML does not have."""
     level: list[tuple[Keys, Any]] = [((), document)]
-    for _ in range(DEEPEST + 1):
+    for _ in range(MAX_NESTING + 1):
         level = [inner for keys, value in level for inner in _items(keys, value)]
         for keys, value in level:
-            if isinstance(value, int) and value not in INTEGERS:
+            if isinstance(value, int) and value not in TOML_INTEGERS:
                 raise InputError(
                     f"{dotted(keys)}: expected an integer of 64 bits, found {quoted(value)}"
                 )
@@ -78,4 +78,4 @@ def _items(keys: Keys, value: Any) -> Iterator[tuple[Keys, Any]]:
 
 
 def _too_deep() -> InputError:
-    return InputError(f"expected at most {DEEPEST} tables and arrays within one another")
+    return InputError(f"expected at most {MAX_NESTING} tables and arrays within one another")

@@ -6,10 +6,10 @@ from typing import Any
 
 import tomli_w
 
+# tomli_w writes arrays of numbers or words with an item a line.
 SHORT_ARRAY = re.compile(r"\[\n((?:[^\[\]\n]*,\n)+) *\]")
-"""an array of numbers or words as tomli_w writes it, an item a line"""
+# Characters of an array that stays on one line.
 LONGEST_ARRAY = 80
-"""characters of an array that stands on one line"""
 
 
 def toml_of(document: Mapping[str, Any]) -> str:

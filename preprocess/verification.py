@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from ..files.blas import one_blas_thread
 from ..superelement import Check, Superelement
-from ..superelement.checks import ROUNDING, deviation, scale_of
+from ..superelement.checks import MAX_RELATIVE_DEVIATION, deviation, scale_of
 from .body.body import Body
 from .build import assemble, memory_shortage_told
 from .plausibility import refused_where_singular
@@ -36,7 +36,7 @@ def static_check(element: Superelement, body: Body) -> Check:
         found, limit = np.inf, 0.0
     else:
         found = deviation(element.compliance, H, scale_of(element, H))
-        limit = STATED_ERROR_FACTOR * element.kernel.error + ROUNDING
+        limit = STATED_ERROR_FACTOR * element.kernel.error + MAX_RELATIVE_DEVIATION
     return Check(
         "static/compliance",
         "the static solution of the mesh",

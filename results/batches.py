@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..superelement.validation import Array
+from ..files.arrays import Array, Index
 
 
 class Energies(NamedTuple):
@@ -18,14 +17,14 @@ class Energies(NamedTuple):
     @classmethod
     def of(cls, output: Any) -> "Energies":
         """Those of the first row of an output."""
-        springs, *others = (getattr(output, name)[0] for name in STORED)
+        springs, *others = (getattr(output, name)[0] for name in STORED_ENERGIES)
         return cls(float(springs), float(sum(others, springs)))
 
 
 class EventRows(NamedTuple):
     """Events: numbers of their owners (m,), and their values (m, 9) in the order of `EVENTS`."""
 
-    owner: NDArray[np.int64]
+    owner: Index
     values: Array
 
     @classmethod
@@ -51,13 +50,10 @@ class Batch(NamedTuple):
     events: EventRows = EventRows.none()
 
 
-STORED = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
+STORED_ENERGIES = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")
+# Energies are derived from these arrays (n,) [J] of the time loop: the work of springs and dampers
+# on bodies; the work of loads on modes, less their energy; the loss by modal damping.
 FURTHER_WORKS = ("compliance_work", "modal_loss", "modal_damping")
-"""further arrays of the time loop (n,) [J], from which energies are derived
-
-The work of springs and dampers on bodies; the work of the loads on modes, less their energy; and
-the energy that modal damping took.
-"""
 
 
 def time_of(batch: Batch) -> Array:
@@ -68,6 +64,7 @@ def time_of(batch: Batch) -> Array:
 def dissipated(batch: Batch) -> Array:
     """The work of springs and dampers that springs have not stored, and what modal damping took."""
     n, output = len(batch.steps), batch.output
+    # Energies are relative to t = 0, where springs may be stretched.
     stored = output.spring_energy[:n] - batch.start.springs
     found: Array = output.modal_damping[:n] - output.compliance_work[:n] - stored
     return found
@@ -83,7 +80,10 @@ def numerical(batch: Batch) -> Array:
 def balance(batch: Batch) -> Array:
     """The change of all energies, and what they lost, less the work from outside."""
     n, output = len(batch.steps), batch.output
-    stored = sum((getattr(output, name)[:n] for name in STORED[1:]), getattr(output, STORED[0])[:n])
+    stored = sum(
+        (getattr(output, name)[:n] for name in STORED_ENERGIES[1:]),
+        getattr(output, STORED_ENERGIES[0])[:n],
+    )
     lost = dissipated(batch) + numerical(batch)
     found: Array = stored + lost - output.external_work[:n] - batch.start.total
     return found

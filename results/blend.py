@@ -5,15 +5,15 @@ from functools import partial
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..superelement import Outline
-from ..superelement.validation import Array
 
-SINGULAR = 1e-13
-"""eigenvalue of the conditions, relative to the largest, that counts as none"""
-MOST_TURNING = 300
-"""interfaces up to which their rotations are followed too; more lie close together"""
-BATCH = 1 << 21
-"""numbers of a table of functions at points that are held at once"""
+# Relative to the largest eigenvalue of the conditions: what is smaller is rounding.
+RELATIVE_ZERO_EIGENVALUE = 1e-13
+# With more interfaces these lie so close together that their displacements alone show the turns.
+MAX_TURNING_INTERFACES = 300
+# 16 MiB of numbers, so that memory does not grow with the number of points.
+TABLE_BATCH_NUMBERS = 1 << 21
 
 
 class Blend:
@@ -32,11 +32,15 @@ class Blend:
     def __init__(self, outline: Outline, places: Array, turns: Sequence[bool]) -> None:
         self._outline = outline
         both = np.vstack([outline.anchors, places])
+        # In lengths of the body, so that r^3 and the linear terms are of one size.
         self._size = float(np.linalg.norm(np.ptp(both, axis=0))) or 1.0
         self._places = places / self._size
-        followed = np.array(turns, dtype=bool) & (len(places) <= MOST_TURNING)
+        followed = np.array(turns, dtype=bool) & (len(places) <= MAX_TURNING_INTERFACES)
         self._turning = np.flatnonzero(followed)
-        self._inverse = np.linalg.pinv(self._conditions(), rcond=SINGULAR, hermitian=True)
+        # Interfaces on a line or in a plane leave some linear terms open; these are then zero.
+        self._inverse = np.linalg.pinv(
+            self._conditions(), rcond=RELATIVE_ZERO_EIGENVALUE, hermitian=True
+        )
 
     def displacement(self, u: Array, theta: Array) -> Array:
         """(k, p, 3) from displacements and small rotations (k, i, 3) of the interfaces."""
@@ -44,6 +48,7 @@ class Blend:
         outline = self._outline
         if outline.node is None:
             return self._summed(self._values, outline.points, coefficients)
+        # Once for each node: all points of a section move with it.
         _, first, of_point = np.unique(outline.node, return_index=True, return_inverse=True)
         nodes = outline.anchors[first]
         turns = 0.5 * self._curl(nodes, coefficients)
@@ -54,6 +59,7 @@ class Blend:
     def _coefficients(self, u: Array, theta: Array) -> Array:
         """(n, k, 3) of all functions."""
         turned = theta[:, self._turning].transpose(1, 0, 2)
+        # A small rotation theta gives du/dx_i = theta x e_i.
         slopes = [np.cross(turned, along) for along in self._size * np.eye(3)]
         known = np.concatenate([u.transpose(1, 0, 2), *slopes, np.zeros((4, *u[:, 0].shape))])
         found: Array = self._inverse @ known.reshape(len(known), -1)
@@ -72,7 +78,7 @@ class Blend:
         n, k, _ = coefficients.shape
         flat = coefficients.reshape(n, -1)
         summed = np.empty((k, len(points), 3))
-        batch = max(BATCH // (3 * n), 1)
+        batch = max(TABLE_BATCH_NUMBERS // (3 * n), 1)
         for first in range(0, len(points), batch):
             here = slice(first, first + batch)
             rows = table(points[here] / self._size) @ flat
@@ -90,6 +96,7 @@ class Blend:
         """Their derivatives (p, n) along an axis."""
         away, r = self._away(x)
         near, d = r[:, self._turning], away[:, self._turning]
+        # The second derivative of r^3 is zero at r = 0, where the direction is none.
         over = np.divide(d[..., axis], near, out=np.zeros_like(near), where=near > 0.0)
         seconds = [-3.0 * ((other == axis) * near + over * d[..., other]) for other in range(3)]
         linear = np.zeros((len(x), 4))
@@ -110,5 +117,6 @@ class Blend:
         n = len(known)
         matrix = np.zeros((n + 4, n + 4))
         matrix[:n] = known
+        # Side conditions: the coefficients of the functions are orthogonal to linear fields.
         matrix[n:, :n] = known[:, n:].T
         return matrix

@@ -8,15 +8,22 @@ from typing import Any, NamedTuple
 
 from ..files.outputs import resolved
 from ..superelement import sha256
-from .dimensions import DIMENSIONS, FIXED, Axes, Axis
-from .motion import EVENT_NUMBER, EVENT_OF, EVENTS, OWNERS, QUANTITIES, TIME
+from .dimensions import DIMENSIONS, FIXED_ENTRIES, Axes, Axis
+from .motion import (
+    EVENT_NUMBER,
+    EVENT_OWNER,
+    EVENT_QUANTITIES,
+    OWNERS_OF_GROUP,
+    QUANTITIES,
+    TIME_QUANTITY,
+)
 from .quantity import Quantity
 from .space import Space
 
-FORMAT = "duhamel-results"
-VERSION = 8
-EARLIEST = 3
-"""of which all that is there is the same"""
+RESULTS_FORMAT = "duhamel-results"
+RESULTS_VERSION = 8
+# All that files since this version hold has the same meaning today.
+EARLIEST_VERSION = 3
 
 
 class SuperelementFile(NamedTuple):
@@ -66,7 +73,7 @@ class Contents:
     superelements: Mapping[str, SuperelementFile]
     checks: tuple[str, ...] = ()
     space: Space | None = None
-    version: int = VERSION
+    version: int = RESULTS_VERSION
     """of the file"""
 
     @property
@@ -74,7 +81,7 @@ class Contents:
         """The groups: "bodies/hub", "frames/beam.tip", "energy", ..."""
         owned = [
             f"{group}/{name}"
-            for group, dimension in OWNERS.items()
+            for group, dimension in OWNERS_OF_GROUP.items()
             if dimension in self.axes
             for name in sorted(self.axes[dimension].names)
         ]
@@ -83,8 +90,10 @@ class Contents:
 
     def difference(self, other: "Contents") -> str:
         """The first difference of the variables of others, in words; "" if there is none."""
+        # Names before entries: another set of variables makes other dimensions, too.
         names, others = ([q.name for q in c.quantities] for c in (self, other))
         if names != others:
+            # Those that only one of both has.
             odd = sorted({*names} ^ {*others})
             return f"other variables are recorded: {', '.join(odd)}"
         for name in sorted({*self.axes, *other.axes}):
@@ -104,7 +113,7 @@ def lay_out(
 
     selects: True for a group to record, "bodies/hub" or "energy".
     """
-    kept = {name: Axis(entries) for name, entries in FIXED.items()}
+    kept = {name: Axis(entries) for name, entries in FIXED_ENTRIES.items()}
     for name, axis in axes.items():
         dimension = DIMENSIONS[name]
         chosen = axis.keep(
@@ -119,10 +128,10 @@ def lay_out(
         quantity
         for quantity in QUANTITIES
         if set(quantity.dimensions[1:]) <= kept.keys()
-        and (quantity.owned is not None or quantity is TIME or selects(quantity.group))
+        and (quantity.owned is not None or quantity is TIME_QUANTITY or selects(quantity.group))
     )
     used = {dimension for quantity in quantities for dimension in quantity.dimensions}
-    kept = {name: axis for name, axis in kept.items() if name in used or name not in FIXED}
+    kept = {name: axis for name, axis in kept.items() if name in used or name not in FIXED_ENTRIES}
     return Contents(kept, quantities, superelements, checks)
 
 
@@ -150,7 +159,7 @@ def attributes_of(
 def table() -> str:
     """The variables as a table in Markdown, for the documentation."""
     lines = ["| variable | dimensions | unit | |", "|---|---|---|---|"]
-    for one in (*QUANTITIES, EVENT_NUMBER, EVENT_OF, *EVENTS):
+    for one in (*QUANTITIES, EVENT_NUMBER, EVENT_OWNER, *EVENT_QUANTITIES):
         dimensions, units = ", ".join(one.dimensions), " or ".join(one.all_units)
         lines.append(f"| `{one.name}` | {dimensions} | {units} | {one.description} |")
     return "\n".join(lines)

@@ -71,8 +71,10 @@ DIMENSIONS = {
     )
 }
 
-FIXED = {name: dimension.entries for name, dimension in DIMENSIONS.items() if dimension.entries}
-"""entries of the dimensions that always have the same"""
+# The dimensions whose entries are the same in every file.
+FIXED_ENTRIES = {
+    name: dimension.entries for name, dimension in DIMENSIONS.items() if dimension.entries
+}
 
 
 @dataclass(frozen=True)

@@ -18,35 +18,34 @@ import h5py
 import numpy as np
 
 from ..files import in_one_line, require_regular
-from ..files.hdf5 import DAMAGE, require_contained, texts
+from ..files.arrays import Array
+from ..files.hdf5 import DAMAGE_ERRORS, require_contained, texts
 from ..files.outputs import in_words, replace_durably, resolved
-from ..superelement.validation import Array
 from .batches import Batch, EventRows
-from .contents import EARLIEST, FORMAT, VERSION, Contents, SuperelementFile
+from .contents import EARLIEST_VERSION, RESULTS_FORMAT, RESULTS_VERSION, Contents, SuperelementFile
 from .dimensions import DIMENSIONS, Axes, Axis
 from .errors import ResultsError
 from .journal import BusyError, Journal, JournaledFile, partial_of, recover, uninterrupted
-from .motion import EVENT_NUMBER, EVENT_OF, EVENTS, QUANTITIES
+from .motion import EVENT_NUMBER, EVENT_OWNER, EVENT_QUANTITIES, QUANTITIES
 from .quantity import Quantity
-from .source import ALL, Selection, Source
+from .source import ALL_ROWS, Selection, Source
 from .space import Space
 from .space_file import put_space, read_space
 
-PATIENCE = 5.0
-"""seconds to wait for others who have the file open"""
-BRIEF = 0.1
-"""seconds that a run waits for them while rows can wait in memory"""
-BUFFER = 1 << 28
-"""bytes of rows that may wait in memory"""
-CHUNK = 1 << 18
-"""bytes that HDF5 keeps together, about"""
-LEAST_ROWS = 16
-"""rows of a chunk, however many bodies there are"""
-TEXT = h5py.string_dtype()
-EVENT_ROWS = 512
-"""events of a chunk"""
-CHECKS = "check_value"
-"""the variable with the values of the checks of validity"""
+# Seconds to wait for other programs that have the file open.
+LOCK_WAIT = 5.0
+# Seconds that a run waits for them: rows can wait in memory, the time loop should not.
+LOCK_WAIT_OF_RUN = 0.1
+# 256 MiB of rows; then the run does wait for the file, as long as any writer.
+MAX_WAITING_BYTES = 1 << 28
+# About 256 KiB: HDF5 reads and compresses whole chunks.
+ROW_CHUNK_BYTES = 1 << 18
+# Also where a row of very many bodies alone is larger: series are read along the rows.
+MIN_CHUNK_ROWS = 16
+TEXT_OF_RESULTS = h5py.string_dtype()
+CHUNK_EVENTS = 512
+# Values of the validity criteria.
+CHECK_VALUES_VARIABLE = "check_value"
 
 
 class Extent(NamedTuple):
@@ -96,7 +95,7 @@ class FileSource:
         with self._open() as file:
             return dict(file["solver"].attrs)
 
-    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
+    def read(self, selections: Sequence[Selection], rows: slice = ALL_ROWS) -> list[Array]:
         with self._open() as file:
             n = self._rows_that_count(file)
             axes = self._contents.axes
@@ -111,14 +110,19 @@ class FileSource:
         with self._open() as file:
             self._rows_that_count(file)
             n = self._written.events
-            owner, *values = (_rows(file, axes, q, None, n) for q in (EVENT_OF, *EVENTS))
+            owner, *values = (
+                _rows(file, axes, q, None, n) for q in (EVENT_OWNER, *EVENT_QUANTITIES)
+            )
+        # A damaged file; numbers out of range would count as those of other owners.
         if len(owner) and not 0 <= owner.min() <= owner.max() < len(axes["event_owner"]):
             raise ResultsError(f"{self._path}: variable 'event_of': names no entry of event_owner")
         return EventRows(owner.astype(np.int64), np.column_stack(values))
 
     def checks(self) -> Array:
         with self._open() as file:
-            values: Array = file[CHECKS][()] if CHECKS in file else np.empty(0)
+            values: Array = (
+                file[CHECK_VALUES_VARIABLE][()] if CHECK_VALUES_VARIABLE in file else np.empty(0)
+            )
         return values
 
     def space(self) -> Space | None:
@@ -140,7 +144,7 @@ class FileSource:
         try:
             require_regular(self._path)
             recover(resolved(self._path))
-            with _opened(self._path, PATIENCE) as file:
+            with _opened(self._path, LOCK_WAIT) as file:
                 yield file
         except ResultsError as error:
             raise ResultsError(f"{self._path}: {error}") from error
@@ -148,7 +152,7 @@ class FileSource:
             raise ResultsError(f"{self._path}: no such file") from error
         except BlockingIOError as error:
             raise ResultsError(f"{self._path}: cannot be read: {error}") from error
-        except DAMAGE as error:
+        except DAMAGE_ERRORS as error:
             why = in_one_line(error)
             raise ResultsError(f"{self._path}: not a readable HDF5 file: {why}") from error
 
@@ -170,7 +174,7 @@ def netcdf(source: Source) -> Any:
         for name, column in _event_columns(events, 0) if len(events.owner) else ():
             _extend(file, name, column, 0)
         if len(checks := source.checks()):
-            file[CHECKS][...] = checks
+            file[CHECK_VALUES_VARIABLE][...] = checks
     return stream
 
 
@@ -199,6 +203,7 @@ class FileWriter:
         image = _image(contents, {**notes, **Extent(0).noted(), "run": self.run}, model, rows)
         with _failures_named(path):
             journal = Journal(resolved(path))
+            # Earlier results stay until this run has ended well.
             self.place = partial_of(journal.target) if path.exists() else journal.target
             try:
                 self.place.write_bytes(image)
@@ -247,6 +252,7 @@ class FileWriter:
         self._store = JournaledFile(self.place, journal, durable)
         self._file = h5py.File(self._store, "r+")
         self.written = self.committed = _extent_of(self._file)
+        # The first rows are committed at once, so that readers can open the file early.
         self._last = -np.inf
 
     def append(self, batch: Batch) -> None:
@@ -260,19 +266,19 @@ class FileWriter:
                 for name, column in _event_columns(events, n):
                     _extend(self._file, name, column, n)
             self.written = Extent(first + len(batch.steps), n + len(events.owner))
-        if self._store.waiting > BUFFER:
-            self._commit(PATIENCE)
+        if self._store.waiting > MAX_WAITING_BYTES:
+            self._commit(LOCK_WAIT)
         elif time.monotonic() - self._last > self.pause:
             with suppress(BusyError):
-                self._commit(BRIEF, can_wait=True)
+                self._commit(LOCK_WAIT_OF_RUN, can_wait=True)
 
     def check(self, values: Array) -> None:
         if len(values):
             with uninterrupted():
-                self._file[CHECKS][...] = values
+                self._file[CHECK_VALUES_VARIABLE][...] = values
 
     def flush(self) -> None:
-        self._commit(PATIENCE)
+        self._commit(LOCK_WAIT)
 
     def abandon(self) -> bool:
         if self.place == self._journal.target:
@@ -284,7 +290,7 @@ class FileWriter:
     def note(self, **notes: Any) -> None:
         with uninterrupted():
             self._file["solver"].attrs.update(_plain(notes))
-        self._commit(PATIENCE)
+        self._commit(LOCK_WAIT)
 
     def where(self) -> str:
         if self.place == self.target or not self.place.exists():
@@ -318,6 +324,7 @@ class FileWriter:
     def _commit(self, patience: float, can_wait: bool = False) -> None:
         """Let all rows take place; unless they can wait, also if others never close the file."""
         with self._failures_named(), uninterrupted():
+            # Readers count rows by these attributes: datasets are longer while rows are written.
             self._file["solver"].attrs.modify("written", self.written.rows)
             self._file["solver"].attrs.modify("events", self.written.events)
             self._file.flush()
@@ -355,11 +362,11 @@ def unfinished(target: Path) -> Path:
 def _check_same_run(path: Path, run: str, contents: Contents, extent: Extent) -> None:
     source = FileSource(path)
     if source.run != run:
-        raise ResultsError(f"{path}: results of another run than the state beside them")
+        raise ResultsError(f"{path}: these results are not of the run whose state is beside them")
     for name, found, least in zip(Extent._fields, source.extent, extent, strict=True):
         if found < least:
             raise ResultsError(
-                f"{path}: {found} {name}, fewer than the {least} of the state beside them"
+                f"{path}: expected {least} {name} or more, as in the state beside it, found {found}"
             )
     if difference := contents.difference(source.contents()):
         raise ResultsError(f"{path}: {difference}")
@@ -407,12 +414,12 @@ def _failures_named(path: Path) -> Iterator[None]:
 
 
 def _check_format(file: h5py.File) -> None:
-    if (found := _text(file.attrs.get("format"))) != FORMAT:
-        raise ResultsError(f"attribute format: expected {FORMAT!r}, found {found!r}")
-    if not EARLIEST <= (version := int(file.attrs.get("version", 0))) <= VERSION:
+    if (found := _text(file.attrs.get("format"))) != RESULTS_FORMAT:
+        raise ResultsError(f"attribute format: expected {RESULTS_FORMAT!r}, found {found!r}")
+    if not EARLIEST_VERSION <= (version := int(file.attrs.get("version", 0))) <= RESULTS_VERSION:
         raise ResultsError(
-            f"results file of version {version}; this Duhamel reads versions {EARLIEST} to "
-            f"{VERSION}: run the model again"
+            f"results file of version {version}; this Duhamel reads versions {EARLIEST_VERSION} to "
+            f"{RESULTS_VERSION}: run the model again"
         )
 
 
@@ -448,7 +455,7 @@ def _read_contents(file: h5py.File) -> Contents:
     for name, axis in axes.items():
         _require_distinct(name, axis.names)
     quantities = tuple(quantity for quantity in QUANTITIES if quantity.name in file)
-    events = EVENTS if "event_owner" in axes else ()
+    events = EVENT_QUANTITIES if "event_owner" in axes else ()
     for quantity in (*quantities, *events):
         if not isinstance(quantity.unit, str) and units_of(quantity) in file:
             name = quantity.measured
@@ -475,7 +482,12 @@ def _strings(file: h5py.File, name: str) -> tuple[str, ...]:
 
 
 def _rows(
-    file: h5py.File, axes: Axes, quantity: Quantity, entries: Any, written: int, rows: slice = ALL
+    file: h5py.File,
+    axes: Axes,
+    quantity: Quantity,
+    entries: Any,
+    written: int,
+    rows: slice = ALL_ROWS,
 ) -> Array:
     first, last, _ = rows.indices(written)
     if isinstance(entries, slice) and entries.start == entries.stop:
@@ -502,8 +514,8 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
     with h5py.File("image", "w", driver="core", backing_store=False, track_order=True) as file:
         file.attrs.update(
             Conventions="CF-1.11",
-            format=FORMAT,
-            version=VERSION,
+            format=RESULTS_FORMAT,
+            version=RESULTS_VERSION,
             created_by=f"duhamel {metadata.version('duhamel')}",
             model=model,
         )
@@ -515,7 +527,7 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         if _event_quantities(contents):
-            scales["event"] = _create(file, EVENT_NUMBER, axes, EVENT_ROWS)
+            scales["event"] = _create(file, EVENT_NUMBER, axes, CHUNK_EVENTS)
         for name, scale in scales.items():
             scale.make_scale(name)
             if name != "time":
@@ -524,12 +536,14 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
             _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
             _put_units(file, quantity, axes, scales)
         for quantity in _event_quantities(contents)[1:]:
-            _attach(_create(file, quantity, axes, EVENT_ROWS), quantity.dimensions, scales)
+            _attach(_create(file, quantity, axes, CHUNK_EVENTS), quantity.dimensions, scales)
             _put_units(file, quantity, axes, scales)
         for name, values in _superelement_files(contents).items():
             _attach(_put_strings(file, name, values), ("flexible_body",), scales)
         if contents.checks:
-            values = file.create_dataset(CHECKS, data=np.full(len(contents.checks), np.nan))
+            values = file.create_dataset(
+                CHECK_VALUES_VARIABLE, data=np.full(len(contents.checks), np.nan)
+            )
             values.attrs["long_name"] = "what the run has passed at most"
             _attach(values, ("check",), scales)
         if contents.space is not None:
@@ -542,14 +556,16 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
 
 def _event_quantities(contents: Contents) -> tuple[Quantity, ...]:
     """The variables of events, if the run has any."""
-    return (EVENT_NUMBER, EVENT_OF, *EVENTS) if "event_owner" in contents.axes else ()
+    return (EVENT_NUMBER, EVENT_OWNER, *EVENT_QUANTITIES) if "event_owner" in contents.axes else ()
 
 
 def _event_columns(events: EventRows, first: int) -> Iterator[tuple[str, Array]]:
     """The variables of events, whose numbers go on from the first."""
     m = len(events.owner)
     columns = (np.arange(first, first + m), events.owner, *events.values.T)
-    for quantity, column in zip((EVENT_NUMBER, EVENT_OF, *EVENTS), columns, strict=True):
+    for quantity, column in zip(
+        (EVENT_NUMBER, EVENT_OWNER, *EVENT_QUANTITIES), columns, strict=True
+    ):
         yield quantity.name, column.astype(_type_of(quantity))
 
 
@@ -587,15 +603,15 @@ def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.
 
 
 def chunks(shape: tuple[int, ...], rows: int) -> tuple[int, ...]:
-    """The shape of chunks of about `CHUNK` bytes for some rows of a shape.
+    """The shape of chunks of about `ROW_CHUNK_BYTES` bytes for some rows of a shape.
 
     Wide rows are divided among the owners, so that one of many bodies is read without the others.
     """
     width = 8 * int(np.prod(shape))
-    n = max(min(rows, max(CHUNK // width, LEAST_ROWS)), 1)
+    n = max(min(rows, max(ROW_CHUNK_BYTES // width, MIN_CHUNK_ROWS)), 1)
     if not shape:
         return (n,)
-    owners = max(min(shape[0], CHUNK * shape[0] // (n * width)), 1)
+    owners = max(min(shape[0], ROW_CHUNK_BYTES * shape[0] // (n * width)), 1)
     return (n, owners, *shape[1:])
 
 
@@ -611,7 +627,7 @@ def _superelement_files(contents: Contents) -> dict[str, list[str]]:
 
 
 def _put_strings(file: h5py.File, name: str, values: Sequence[str]) -> h5py.Dataset:
-    return file.create_dataset(name, data=np.array(values, dtype=object), dtype=TEXT)
+    return file.create_dataset(name, data=np.array(values, dtype=object), dtype=TEXT_OF_RESULTS)
 
 
 def _attach(

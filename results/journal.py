@@ -28,18 +28,19 @@ from typing import Any
 
 from .errors import ResultsError
 
-PAGE = 1 << 14
-"""bytes that are compared and replaced together"""
-HEADER = 128
-"""bytes ahead of the records of a journal: the process that writes, and its file"""
-RECORD = struct.Struct("<QQ")
-"""an address and a number of bytes; in the first record: the size of the file, and of all others"""
-PARTIAL = ".partial"
-"""what the name of the file of a run ends with while earlier results stand at its path"""
-DIGEST = 32
-"""bytes of a SHA-256"""
-UNLOCKABLE = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
-"""what file systems without locks answer"""
+# Files are compared and replaced by pages of this size: HDF5 changes a few bytes in many places.
+PAGE_BYTES = 1 << 14
+# Ahead of the records: the process that writes, and its file.
+HEADER_BYTES = 128
+# An address and a number of bytes. In the first record these are the size of the file, and that of
+# all other records.
+RECORD_LAYOUT = struct.Struct("<QQ")
+# A run writes here while earlier results stand at its path: a run that fails keeps them.
+PARTIAL_SUFFIX = ".partial"
+# Length of a SHA-256.
+DIGEST_BYTES = 32
+# What network and container file systems without locks answer; then there is no lock to wait for.
+ERRNOS_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
 
 
 class BusyError(OSError):
@@ -65,14 +66,16 @@ class Journal:
         which = "partial" if file == partial_of(self.target) else "whole"
         header = f"duhamel journal, process {os.getpid()}\n{which}\n"
         os.ftruncate(self._descriptor, 0)
-        os.pwrite(self._descriptor, header.encode().ljust(HEADER, b"\0"), 0)
+        os.pwrite(self._descriptor, header.encode().ljust(HEADER_BYTES, b"\0"), 0)
 
     def write(self, size: int, pieces: list[tuple[int, bytes]], durable: bool) -> None:
         """Keep what is to be done: pieces of the file by address, and its size afterwards."""
-        records = b"".join(RECORD.pack(at, len(piece)) + piece for at, piece in pieces)
-        content = RECORD.pack(size, len(records)) + records
+        records = b"".join(RECORD_LAYOUT.pack(at, len(piece)) + piece for at, piece in pieces)
+        # The digest tells a whole journal from one that a crash cut off, in one write.
+        content = RECORD_LAYOUT.pack(size, len(records)) + records
         try:
-            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER)
+            # Behind the header, which stays: it names the process and the file.
+            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER_BYTES)
             if durable:
                 os.fsync(self._descriptor)
         except OSError:
@@ -80,7 +83,7 @@ class Journal:
             raise
 
     def clear(self) -> None:
-        os.ftruncate(self._descriptor, HEADER)
+        os.ftruncate(self._descriptor, HEADER_BYTES)
 
     def close(self) -> None:
         if self._handle is not None:
@@ -105,20 +108,21 @@ def journal_of(target: Path) -> Path:
 
 def partial_of(target: Path) -> Path:
     """The file of a run while earlier results stand at the path that it is to have."""
-    return target.with_name(target.name + PARTIAL)
+    return target.with_name(target.name + PARTIAL_SUFFIX)
 
 
 def recover(file: Path) -> None:
     """End what a process that died was about to write to a file, or to the partial one there."""
     _recover(file)
-    if file.name.endswith(PARTIAL):
-        _recover(file.with_name(file.name.removesuffix(PARTIAL)))
+    if file.name.endswith(PARTIAL_SUFFIX):
+        _recover(file.with_name(file.name.removesuffix(PARTIAL_SUFFIX)))
 
 
 def _recover(target: Path) -> None:
     path = journal_of(target)
     try:
-        if path.stat().st_size <= HEADER:
+        # An empty journal, so that readers of a running simulation take no lock.
+        if path.stat().st_size <= HEADER_BYTES:
             return
         handle = _held(path)
     except OSError:
@@ -159,7 +163,7 @@ def lock(handle: int) -> bool:
     except BlockingIOError:
         return False
     except OSError as error:
-        if error.errno not in UNLOCKABLE:
+        if error.errno not in ERRNOS_WITHOUT_LOCKS:
             raise
     return True
 
@@ -174,36 +178,46 @@ def unlock(handle: int) -> None:
 def _writer_of(path: Path) -> str:
     """The process that a journal names."""
     with path.open("rb") as file:
-        return file.read(HEADER).partition(b", ")[2].partition(b"\n")[0].decode(errors="replace")
+        return (
+            file.read(HEADER_BYTES).partition(b", ")[2].partition(b"\n")[0].decode(errors="replace")
+        )
 
 
 def _replay(handle: int, target: Path) -> None:
     """Do what a whole journal says, and empty it; nothing where the file is gone."""
     content = os.pread(handle, os.fstat(handle).st_size, 0)
-    header, body, digest = content[:HEADER], content[HEADER:-DIGEST], content[-DIGEST:]
-    if len(body) >= RECORD.size and hashlib.sha256(body).digest() == digest:
+    header, body, digest = (
+        content[:HEADER_BYTES],
+        content[HEADER_BYTES:-DIGEST_BYTES],
+        content[-DIGEST_BYTES:],
+    )
+    # A journal that is not whole changed nothing yet: the file is as it was committed.
+    if len(body) >= RECORD_LAYOUT.size and hashlib.sha256(body).digest() == digest:
         path = partial_of(target) if header.split(b"\n")[1] == b"partial" else target
+        # The user may have removed the results of the run that died.
         with suppress(FileNotFoundError), path.open("r+b", buffering=0) as file:
-            size, _ = RECORD.unpack_from(body)
-            for at, piece in _records(body[RECORD.size :]):
+            size, _ = RECORD_LAYOUT.unpack_from(body)
+            for at, piece in _records(body[RECORD_LAYOUT.size :]):
                 _write_all(file.fileno(), piece, at)
+            # Bytes beyond were appended by a commit that never took place.
             os.ftruncate(file.fileno(), size)
             os.fsync(file.fileno())
-    os.ftruncate(handle, min(len(content), HEADER))
+    # Emptied only after the file is on the disk: repeating a replay does no harm.
+    os.ftruncate(handle, min(len(content), HEADER_BYTES))
 
 
 def _records(content: bytes) -> Iterator[tuple[int, bytes]]:
     first = 0
     while first < len(content):
-        at, length = RECORD.unpack_from(content, first)
-        first += RECORD.size
+        at, length = RECORD_LAYOUT.unpack_from(content, first)
+        first += RECORD_LAYOUT.size
         yield at, content[first : first + length]
         first += length
 
 
 def _pages_of(at: int, n: int) -> range:
     """The numbers of the pages that n bytes touch."""
-    return range(at // PAGE, -(-(at + n) // PAGE))
+    return range(at // PAGE_BYTES, -(-(at + n) // PAGE_BYTES))
 
 
 def _write_all(handle: int, content: bytes | memoryview, at: int) -> None:
@@ -223,6 +237,8 @@ class JournaledFile(io.RawIOBase):
         super().__init__()
         self.path, self._journal, self._durable = path, journal, durable
         self._handle = os.open(path, os.O_RDWR)
+        # committed: what readers see; reach: how far bytes are on the disk; size: as HDF5 sees the
+        # file.
         self._committed = self._reach = self._size = os.fstat(self._handle).st_size
         self._pages: dict[int, bytes] = {}
         self._at = 0
@@ -231,7 +247,7 @@ class JournaledFile(io.RawIOBase):
     @property
     def waiting(self) -> int:
         """Bytes in memory."""
-        return PAGE * len(self._pages)
+        return PAGE_BYTES * len(self._pages)
 
     def readable(self) -> bool:
         return True
@@ -268,7 +284,10 @@ class JournaledFile(io.RawIOBase):
     def _is_appended(self, view: memoryview) -> bool:
         """Write what lies beyond the committed end at once, if the disk has room."""
         numbers = _pages_of(self._at, len(view))
-        if numbers.start * PAGE < self._committed or not self._pages.keys().isdisjoint(numbers):
+        # Pages in memory hide those on the disk, and readers must not see half a change.
+        if numbers.start * PAGE_BYTES < self._committed or not self._pages.keys().isdisjoint(
+            numbers
+        ):
             return False
         try:
             _write_all(self._handle, view, self._at)
@@ -280,11 +299,12 @@ class JournaledFile(io.RawIOBase):
     def _keep(self, view: memoryview) -> None:
         first, end = self._at, self._at + len(view)
         for number in _pages_of(first, len(view)):
-            start = number * PAGE
-            low, high = max(first, start), min(end, start + PAGE)
+            start = number * PAGE_BYTES
+            low, high = max(first, start), min(end, start + PAGE_BYTES)
+            # Whole pages are kept, so that reading needs no list of pieces within a page.
             page = bytes(view[low - first : high - first])
-            if len(page) < PAGE:
-                old = self._content(start, PAGE)
+            if len(page) < PAGE_BYTES:
+                old = self._content(start, PAGE_BYTES)
                 page = old[: low - start] + page + old[high - start :]
             self._pages[number] = page
 
@@ -294,12 +314,13 @@ class JournaledFile(io.RawIOBase):
 
     def _content(self, at: int, n: int) -> bytes:
         """n bytes as they will be, zeros beyond the end."""
+        # Reading beyond the reach would give fewer bytes; HDF5 expects zeros there.
         stored = max(min(n, self._reach - at), 0)
         content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
         for number in _pages_of(at, n):
             if (page := self._pages.get(number)) is not None:
-                start = number * PAGE
-                low, high = max(at, start), min(at + n, start + PAGE)
+                start = number * PAGE_BYTES
+                low, high = max(at, start), min(at + n, start + PAGE_BYTES)
                 content[low - at : high - at] = page[low - start : high - start]
         return bytes(content)
 
@@ -308,11 +329,13 @@ class JournaledFile(io.RawIOBase):
 
         OSError leaves the file as it was: the disk is full, or somebody has removed the file.
         """
+        # Writing on would go to a file that has no name any more, and be lost without a word.
         if not os.path.samestat(os.fstat(self._handle), self.path.stat()):
-            raise FileExistsError(errno.EEXIST, "somebody has replaced it")
+            raise FileExistsError(errno.EEXIST, "another program has replaced it")
         replaced = self._append()
         if self._durable:
             os.fsync(self._handle)
+        # From here on a crash is repaired by `recover`.
         self._journal.write(self._size, replaced, self._durable)
         try:
             with self._alone(patience):
@@ -336,6 +359,7 @@ class JournaledFile(io.RawIOBase):
 
         OSError where it cannot be made.
         """
+        # Hidden and on the same file system, so that the replacement is atomic.
         copy = self._journal.path.with_suffix(".copy")
         try:
             shutil.copyfile(self.path, copy)
@@ -357,9 +381,11 @@ class JournaledFile(io.RawIOBase):
         """Write what lies beyond the end of the file; the pieces that replace others."""
         replaced = []
         for at, piece in self._pieces():
+            # The part of the page before the committed end, which readers may be looking at.
             inside = max(min(self._committed - at, len(piece)), 0)
             if piece[inside:]:
                 _write_all(self._handle, piece[inside:], at + inside)
+            # HDF5 often writes what is there already; unchanged bytes need no journal.
             if inside and os.pread(self._handle, inside, at) != piece[:inside]:
                 replaced.append((at, piece[:inside]))
         return replaced
@@ -367,13 +393,14 @@ class JournaledFile(io.RawIOBase):
     def _pieces(self) -> Iterator[tuple[int, bytes]]:
         """The changed pages below the size, by address."""
         for number in sorted(self._pages):
-            at = number * PAGE
+            at = number * PAGE_BYTES
             if at < self._size:
                 yield at, self._pages[number][: self._size - at]
 
     @contextmanager
     def _alone(self, patience: float) -> Iterator[None]:
         deadline = time.monotonic() + patience
+        # flock itself has no time limit.
         while not lock(self._handle):
             if time.monotonic() > deadline:
                 raise BusyError(errno.EWOULDBLOCK, "others have it open")

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .batches import FURTHER_WORKS, EventRows, balance, dissipated, numerical, time_of
 from .quantity import Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
@@ -349,6 +349,7 @@ class Events(Recorded, group="events", rows="event"):
     @property
     def still_closed(self) -> NDArray[np.bool_]:
         """(m,) True for the one that had not ended with the run."""
+        # The time loop has no speed of departure for what has not departed.
         return np.isnan(self.opening_speed)
 
     @property
@@ -592,18 +593,19 @@ class Solution(Recorded, group="solver"):
     """(n,) relative residual at the end of the step"""
 
 
-TIME = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
-OWNERS = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
-"""the dimension of the owners of a group, in the order in which results list them"""
-OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
-QUANTITIES = (TIME, *(quantity for kind in OF_STEPS for quantity in kind.quantities))
-EVENTS = Events.quantities
-"""the numbers of an event, in the order of the time loop"""
+TIME_QUANTITY = Quantity("s", "time of each recorded step", derive=time_of, plot="").within("time")
+# The dimension of the owners of a group, in the order in which results list them.
+OWNERS_OF_GROUP = {kind.group: kind.owner for kind in Recorded.kinds if kind.owner}
+KINDS_OF_STEPS = [kind for kind in Recorded.kinds if kind is not Events]
+QUANTITIES = (TIME_QUANTITY, *(quantity for kind in KINDS_OF_STEPS for quantity in kind.quantities))
+# The numbers of an event in the order in which the time loop writes them.
+EVENT_QUANTITIES = Events.quantities
 EVENT_NUMBER = Quantity("1", "number of the event", integer=True).within("", rows="event")
-EVENT_OF = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
+EVENT_OWNER = Quantity("1", "number of its owner in event_owner, from 0", integer=True).within(
     "of", rows="event"
 )
-SHARED = {
+# The time loop numbers all couplings together, results have an axis for each kind.
+SHARED_DIMENSIONS = {
     "stop": "contact",
     "joint": "coupling",
     "spring": "coupling",
@@ -611,14 +613,13 @@ SHARED = {
     "spring_component": "row",
     "coupler": "row",
 }
-"""dimensions that couplings share in the time loop"""
 
 
 def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
     """The arrays that the time loop fills: dimensions, and True for integers, by name."""
     fields = {
         quantity.source: (
-            tuple(SHARED.get(dimension, dimension) for dimension in quantity.dimensions),
+            tuple(SHARED_DIMENSIONS.get(dimension, dimension) for dimension in quantity.dimensions),
             quantity.integer,
         )
         for quantity in QUANTITIES

@@ -7,9 +7,9 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..superelement import Outline, Recovery, Superelement, SuperelementError
 from ..superelement.figures import box
-from ..superelement.validation import Array
 from .blend import Blend
 from .contents import SuperelementFile
 from .errors import RecoveryError, ResultsError
@@ -19,13 +19,13 @@ from .rotations import inverse
 from .space import Place, Space
 
 Source = Literal["rigid", "recovery", "interfaces"]
-FIELDS = ("displacement", "velocity", "von_mises")
-KEPT = 1 << 28
-"""bytes of motions that are kept, which is less time than to read them again"""
-ROUNDING = 1e-9
-"""of coordinates, over the size of a body"""
-SMALL = 0.05
-"""edge of the box of a body of which nothing is known, in the size of the run"""
+OUTLINE_FIELDS = ("displacement", "velocity", "von_mises")
+# 256 MiB: views go back and forth in time, and reading the motion again is slower.
+MAX_KEPT_MOTION_BYTES = 1 << 28
+# Relative to the size of a body.
+RELATIVE_COORDINATE_ROUNDING = 1e-9
+# Relative to the size of the whole model: a box for a body of which no shape is known.
+RELATIVE_PLACEHOLDER_EDGE = 0.05
 
 
 class Run(Protocol):
@@ -73,6 +73,7 @@ class Outlines:
     def __init__(self, results: Run, space: Space | None) -> None:
         self._results = results
         self.space = Space() if space is None else space
+        # Old files have no outlines; `at_rest` then makes them from what else is known.
         self._made = dict(self.space.outlines)
         self._blends: dict[str, Blend] = {}
         self._sources: dict[str, Source] = {}
@@ -140,17 +141,19 @@ class Outlines:
             return np.asarray(np.linalg.norm(self.velocity(body, t), axis=-1))
         if name == "von_mises":
             return self._von_mises(body, t)
-        raise RecoveryError(f"field {name!r}: expected one of {', '.join(FIELDS)}")
+        raise RecoveryError(f"field {name!r}: expected one of {', '.join(OUTLINE_FIELDS)}")
 
     def place(self, body: str, point: int) -> Place:
         """Where a point is at rest: in the mesh, where the superelement is at hand."""
         outline, center, node = self.at_rest(body), None, None
         if body in self._results.superelement_files:
+            # The place is a courtesy of the table: without the superelement it is in body axes.
             with suppress(RecoveryError, ResultsError, SuperelementError):
                 element = self._results.superelement(body)
                 center, node = element.center, _node_at(point, outline, element.recovery)
         X = outline.points + (0.0 if center is None else center)
-        rounding = ROUNDING * float(np.ptp(X, axis=0).max(initial=0.0))
+        # Tables show 0 rather than 1e-17.
+        rounding = RELATIVE_COORDINATE_ROUNDING * float(np.ptp(X, axis=0).max(initial=0.0))
         x, y, z = np.where(np.abs(X[point]) > rounding, X[point], 0.0).tolist()
         return Place((x, y, z), center is not None, node)
 
@@ -200,7 +203,10 @@ class Outlines:
         """The motion of a body, kept as long as there is room."""
         if body not in self._motions:
             motion = self._read_motion(body)
-            if sum(kept.nbytes for kept in self._motions.values()) + motion.nbytes > KEPT:
+            if (
+                sum(kept.nbytes for kept in self._motions.values()) + motion.nbytes
+                > MAX_KEPT_MOTION_BYTES
+            ):
                 self._motions.clear()
             self._motions[body] = motion
         return self._motions[body]
@@ -276,7 +282,7 @@ class Outlines:
         around = np.vstack([np.zeros(3), *places])
         if flexible and len(names):
             return _star(around)
-        return _box_around(around, SMALL * self._size())
+        return _box_around(around, RELATIVE_PLACEHOLDER_EDGE * self._size())
 
     def _of_superelement(self, body: str) -> Outline | None:
         try:

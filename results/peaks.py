@@ -6,31 +6,47 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .errors import QuantityError
-from .quantities import KINDS
+from .quantities import KINDS_BY_NAME
 from .results import Results
 from .space import Place
 from .steps import batches
 from .transforms import FREQUENCY, IN_G, Series, in_g, parse, series
 from .wildcards import named, of_all
 
-SPACE = 3
-"""components of a vector, at most: stresses have more, and no length"""
-STRESS = "von_mises:"
-AT_ONCE = 1_000_000
-"""values at points, of all times together, that are in memory"""
-NEGLIGIBLE = 1e-6
-"""a component this much smaller than the largest one of a vector is rounding, and left out"""
+# Stresses have more components, and no length.
+MAX_VECTOR_COMPONENTS = 3
+STRESS_PREFIX = "von_mises:"
+# Values at points times steps in memory together.
+PEAK_BATCH_VALUES = 1_000_000
+# A component so much smaller than the largest of its vector is rounding, and left out.
+NEGLIGIBLE_COMPONENT_SHARE = 1e-6
 
 
 @dataclass(frozen=True)
 class Peak:
     """The extremes of one number over time, or over frequency.
 
-    quantity: as outputs of studies take it, |QUANTITY| for the length of a vector, or
-    von_mises:BODY; base: the unit of the times or frequencies `at_largest` and `at_smallest`, s or
-    Hz.
+    Parameters
+    ----------
+    quantity : str
+        As outputs of studies have it; |QUANTITY| for the length of a vector, or von_mises:BODY.
+    unit : str
+    largest, smallest : float
+    at_largest, at_smallest : float
+        Times or frequencies, in the unit `base`.
+    base : {"s", "Hz"}
+    place : Place, optional
+        Of a stress: the point of the surface, in the mesh.
+    band : float [Hz]
+        Of a spectrum: the frequency up to which the superelement is right.
+
+    Examples
+    --------
+    >>> peak = Peak("height:ball:z", "m", 2.0, 0.1, -3.0, 0.4, "s")
+    >>> peak.magnitude, peak.is_beyond
+    (3.0, False)
     """
 
     quantity: str
@@ -52,26 +68,54 @@ class Peak:
 
     @property
     def magnitude(self) -> float:
+        """The larger absolute value of both extremes."""
         return max(abs(self.largest), abs(self.smallest))
 
 
 def peaks(
     results: Results, quantities: Iterable[str] = (), gravities: bool = False
 ) -> tuple[Peak, ...]:
-    """The peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
+    """Find the peaks of quantities, or of what is made of them, as "srs(acceleration:hub:z)".
 
-    In names `*` stands for anything: "acceleration:bracket.*:z". Of a vector without axis each
-    axis has a peak, unless it is rounding, and over time its length. Those of each argument are
-    ordered: the largest one comes first, which is its place. Without quantities: accelerations,
-    forces and elastic displacements of all. "von_mises:BODY": the largest equivalent stress on the
-    surface, and its point; `RecoveryError` without recovery. gravities: accelerations in g.
+    Parameters
+    ----------
+    results : Results
+    quantities : iterable of str
+        In names `*` stands for anything: "acceleration:bracket.*:z". "von_mises:BODY" is the
+        largest equivalent stress on the surface, with its point. Without quantities:
+        accelerations, forces and elastic displacements of all.
+    gravities : bool
+        Accelerations in g.
+
+    Returns
+    -------
+    tuple of Peak
+        Of a vector without axis, each axis that is more than rounding, and its length over time.
+        The peaks of each argument are in descending order of magnitude.
+
+    Raises
+    ------
+    QuantityError
+        For a quantity that the results do not have; the message lists those that they have.
+    RecoveryError
+        For stresses without recovery.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> (peak,) = peaks(results, ["acceleration:ball:z"], gravities=True)
+    >>> round(peak.smallest, 3), peak.unit
+    (-1.02, 'g')
     """
     quantities = tuple(quantities)
     if not quantities:
         return _unasked(results, gravities)
     found: list[Peak] = []
     for quantity in quantities:
-        if quantity.startswith(STRESS):
+        if quantity.startswith(STRESS_PREFIX):
             found.append(_stress(results, quantity))
         else:
             found += _alike(results, quantity, gravities)
@@ -89,10 +133,11 @@ def _alike(results: Results, quantity: str, gravities: bool) -> list[Peak]:
 
 def _stress(results: Results, quantity: str) -> Peak:
     """The extremes over time of the largest stress on a body, and the point of the largest."""
-    body = quantity.removeprefix(STRESS)
+    body = quantity.removeprefix(STRESS_PREFIX)
     if body not in results.superelement_files:
         known = ", ".join(results.superelement_files) or "none"
         raise QuantityError(f"{quantity}: no flexible body {body!r}; there are: {known}")
+    # By a search that looks at few steps and points, see search.py.
     found, time = results.field_extremes(body, "von_mises"), results.time
     at_largest, at_smallest = float(time[found.at_largest]), float(time[found.at_smallest])
     extremes = found.largest, at_largest, found.smallest, at_smallest
@@ -105,7 +150,7 @@ def largest_over_time(values: Callable[[Array], Array], time: Array, points: int
     values: a function of times (k,), at so many points, of which few enough for memory are taken
     at once.
     """
-    parts = batches(len(time), AT_ONCE // max(points, 1))
+    parts = batches(len(time), PEAK_BATCH_VALUES // max(points, 1))
     return np.concatenate([values(time[rows]).max(axis=1) for rows in parts])
 
 
@@ -119,10 +164,10 @@ def _of(results: Results, quantity: str, gravities: bool) -> Iterator[Peak]:
     within, _ = parse(quantity)
     sizes = np.abs(made.values).max(axis=0)
     for axis, column, size in zip(made.axes, made.values.T, sizes, strict=True):
-        if 0.0 < size < NEGLIGIBLE * sizes.max():
+        if 0.0 < size < NEGLIGIBLE_COMPONENT_SHARE * sizes.max():
             continue
         yield _peak(quantity.replace(within, f"{within}:{axis}"), made, column)
-    if made.base == "s" and len(made.axes) <= SPACE:
+    if made.base == "s" and len(made.axes) <= MAX_VECTOR_COMPONENTS:
         yield _peak(f"|{quantity}|", made, np.linalg.norm(made.values, axis=1))
 
 
@@ -143,11 +188,13 @@ def _peak(quantity: str, made: Series, values: Array) -> Peak:
 def _unasked(results: Results, gravities: bool) -> tuple[Peak, ...]:
     """Those of the kinds that are looked at unasked, of all that the run recorded of them."""
     found: list[Peak] = []
-    for name, kind in KINDS.items():
+    for name, kind in KINDS_BY_NAME.items():
         if kind.in_peaks:
             with suppress(QuantityError):
                 everything = ":".join([name, *("*" for _ in kind.names)])
                 found += _alike(results, everything, gravities)
     if not found:
-        raise QuantityError("there is nothing of which peaks are told unasked: name quantities")
+        raise QuantityError(
+            "the run recorded no quantity that a table of peaks has by default: name quantities"
+        )
     return tuple(found)

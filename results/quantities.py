@@ -13,19 +13,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..superelement.sensor import KINDS as CHANNELS
-from ..superelement.validation import Array
+from ..files.arrays import Array
+from ..superelement.sensor import CHANNELS_OF_KIND
 from .contents import attributes_of
 from .dimensions import DIMENSIONS
 from .errors import QuantityError
-from .motion import OWNERS, QUANTITIES, BodyMotion, Energy, FrameMotion
+from .motion import OWNERS_OF_GROUP, QUANTITIES, BodyMotion, Energy, FrameMotion
 from .quantity import Quantity, lacking, readable
 from .results import Results
 from .rotations import inverse, product, rotate, twists
 
 AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
+# Vectors in these units act about an axis; all others act along one.
 UNITS_ABOUT_AXES = ("rad", "rad/s", "rad/s²", "N m", "kg m²/s")
-"""units of vectors about an axis; others are along one"""
 BODY_OR_FRAME = "BODY|FRAME"
 
 
@@ -137,7 +137,9 @@ def _moving(results: Results, name: str) -> BodyMotion | FrameMotion:
 
 def _role(record: Quantity) -> str:
     """The names that a record takes in `plot`: none where it is of the whole run."""
-    return record.role or (OWNERS[record.group].upper() if record.group in OWNERS else "")
+    return record.role or (
+        OWNERS_OF_GROUP[record.group].upper() if record.group in OWNERS_OF_GROUP else ""
+    )
 
 
 def _record(records: Sequence[Quantity], results: Results, *owner: str) -> Quantity:
@@ -193,13 +195,15 @@ def _of_sensor(
     kind: str, unit: str, description: str, variable: str = "sensor_value", **more: Any
 ) -> Kind:
     """What sensors of a kind read."""
-    channels = CHANNELS[kind]
+    channels = CHANNELS_OF_KIND[kind]
 
     def values(results: Results, name: str) -> Array:
         _known_in_roles(results, "SENSOR", name)
         found = results.variable(variable, owner=name)
         if found.shape[1] != len(channels):
-            (other,) = (own for own, axes in CHANNELS.items() if len(axes) == found.shape[1])
+            (other,) = (
+                own for own, axes in CHANNELS_OF_KIND.items() if len(axes) == found.shape[1]
+            )
             raise QuantityError(f"sensor {name!r} reads {other}, not {kind}")
         return found if len(channels) > 1 else found[:, 0]
 
@@ -223,9 +227,9 @@ def _of_records() -> dict[str, Kind]:
     return {name: _recorded(variables) for name, variables in names.items()}
 
 
-ENERGIES = {one.attribute: _words(one)[0] for one in Energy.quantities}
-"""energies as a legend has them"""
-KINDS = _of_records() | {
+# As legends of plots have them.
+ENERGY_LABELS = {one.attribute: _words(one)[0] for one in Energy.quantities}
+KINDS_BY_NAME = _of_records() | {
     "displacement": Kind(
         displacement,
         ("m",),
@@ -250,7 +254,7 @@ KINDS = _of_records() | {
         axes=(),
         unit_of=lambda results, *names: readable(results.unit("joints", *names)),
     ),
-    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGIES), axes=()),
+    "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGY_LABELS), axes=()),
     "normal_force": _recorded(
         ("contact_force", "stop_force"),
         lambda force: force if force.ndim == 1 else force[:, 0],
@@ -293,23 +297,23 @@ KINDS = _of_records() | {
     ),
 }
 
-position = KINDS["position"].values
+position = KINDS_BY_NAME["position"].values
 """Position of the center of mass of a body, or of the origin of a frame [m]."""
-velocity = KINDS["velocity"].values
+velocity = KINDS_BY_NAME["velocity"].values
 """Velocity of the center of mass of a body, or of the origin of a frame [m/s]."""
-acceleration = KINDS["acceleration"].values
+acceleration = KINDS_BY_NAME["acceleration"].values
 """Acceleration of the center of mass of a body, or of the origin of a frame [m/s^2]."""
-elastic_displacement = KINDS["elastic_displacement"].values
+elastic_displacement = KINDS_BY_NAME["elastic_displacement"].values
 """Elastic displacement of an interface, in the axes of its body [m]."""
-elastic_rotation = KINDS["elastic_rotation"].values
+elastic_rotation = KINDS_BY_NAME["elastic_rotation"].values
 """Elastic rotation vector of an interface, in the axes of its body [rad]."""
-force = KINDS["force"].values
+force = KINDS_BY_NAME["force"].values
 """Force of a joint or spring on the second of its frames [N]."""
-moment = KINDS["moment"].values
+moment = KINDS_BY_NAME["moment"].values
 """Moment of a joint or spring on the second of its frames, about it [N m]."""
-linear_momentum = KINDS["linear_momentum"].values
+linear_momentum = KINDS_BY_NAME["linear_momentum"].values
 """Momentum of all bodies [kg m/s]."""
-angular_momentum = KINDS["angular_momentum"].values
+angular_momentum = KINDS_BY_NAME["angular_momentum"].values
 """Angular momentum of all bodies about the origin [kg m^2/s]."""
 
 
@@ -328,11 +332,12 @@ class Evaluated(NamedTuple):
 def evaluate(results: Results, quantity: str) -> Evaluated:
     """A quantity by name; QuantityError names it and lists what there is."""
     kind_name, *names = quantity.split(":")
-    if kind_name not in KINDS:
+    if kind_name not in KINDS_BY_NAME:
         raise QuantityError(
-            f"{quantity}: no quantity {kind_name!r}; there are: {', '.join(map(usage, KINDS))}"
+            f"{quantity}: no quantity {kind_name!r}; there are: "
+            f"{', '.join(map(usage, KINDS_BY_NAME))}"
         )
-    kind = KINDS[kind_name]
+    kind = KINDS_BY_NAME[kind_name]
     names, axis = _divided(results, kind, names)
     if len(names) != len(kind.names) or axis not in ("", *kind.axes):
         raise QuantityError(f"{quantity}: expected {usage(kind_name)}")
@@ -349,20 +354,20 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
 
 def words(kind_name: str, unit: str) -> str:
     """The name of a kind in a legend, of a quantity that has this unit."""
-    given = KINDS[kind_name].words or (kind_name.replace("_", " "),)
+    given = KINDS_BY_NAME[kind_name].words or (kind_name.replace("_", " "),)
     return given["N m" in unit and len(given) > 1]
 
 
 def usage(kind_name: str) -> str:
     """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
-    kind = KINDS[kind_name]
+    kind = KINDS_BY_NAME[kind_name]
     return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
 
 
 def table() -> str:
     """The kinds as a table in Markdown, for the documentation."""
     lines = ["| written | unit | what |", "|---|---|---|"]
-    for name, kind in KINDS.items():
+    for name, kind in KINDS_BY_NAME.items():
         roles = [role.split("|") for role in kind.names]
         written = ":".join([name, *(first for first, *_ in roles)])
         forms = " or ".join(f"`{form}`" for form in (written, *(roles[0][1:] if roles else ())))
@@ -376,6 +381,7 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
     Files of earlier versions have names with colons: there the first name takes the parts that are
     too many.
     """
+    # A name that is also an axis is the axis if it stands last.
     axis = parts[-1] if parts and parts[-1] in kind.axes else ""
     names = parts[: len(parts) - bool(axis)]
     surplus = len(names) - len(kind.names)
@@ -383,6 +389,7 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
         first = ":".join(names[: surplus + 1])
         if any(first in names_in_role(results, role) for role in kind.names[0].split("|")):
             return [first, *names[surplus + 1 :]], axis
+    # One part too many can only be a misspelled axis; the caller reports it.
     if kind.axes and len(parts) == len(kind.names) + 1:
         return parts[:-1], parts[-1]
     return parts, ""

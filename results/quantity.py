@@ -16,12 +16,12 @@ from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .batches import Batch
 from .dimensions import DIMENSIONS, Axes, Axis, Dimension
 from .errors import ResultsError
 
-POWERS = {"2": "²", "3": "³"}
+SUPERSCRIPTS = {"2": "²", "3": "³"}
 
 
 @dataclass(frozen=True)
@@ -161,6 +161,7 @@ def lacking(results: str, version: int, names: str, since: int = 0) -> str:
 def _together(rows: Sequence[int]) -> Any:
     """Rows as an index: a slice if they are consecutive."""
     first = rows[0]
+    # A slice gives a view; a list of rows would copy every batch.
     consecutive = rows[-1] - first + 1 == len(rows)
     return slice(first, first + len(rows)) if consecutive else np.array(rows)
 
@@ -169,7 +170,7 @@ def readable(unit: str) -> str:
     """A unit as a person writes it: "m s-2" as "m/s²", "kg m2 s-1" as "kg m²/s"."""
     above, below = list[str](), list[str]()
     for symbol, minus, power in re.findall(r"([A-Za-z]+|1)(-?)(\d*)", unit):
-        factor = symbol + POWERS.get(power, "")
+        factor = symbol + SUPERSCRIPTS.get(power, "")
         (below if minus else above).append(factor)
     return "/".join([" ".join(above) or "1", *below]) if unit else ""
 

@@ -15,30 +15,26 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..files.arrays import Array, Index
 from ..superelement import GeneralizedAlpha, Modes, Superelement, read, stressed
-from ..superelement.validation import Array
 from .contents import SuperelementFile
 from .errors import RecoveryError
 from .rotations import apply_tangent
 
-Index = NDArray[np.int64]
+# A run that continues another one starts with modes in motion, which its file does not have.
+STARTS_AT_REST = ("given", "equilibrium")
 
 
-STARTS = ("given", "equilibrium")
-"""of runs that do not go on from another one, whose modes would not start at rest"""
-
-
-KEPT = 1 << 29
-"""bytes of modal coordinates of all bodies that are kept, lest they are stepped again"""
+# 512 MiB of modal coordinates: stepping them again takes far longer than reading memory.
+MAX_KEPT_MODAL_BYTES = 1 << 29
 
 
 class Stepping(NamedTuple):
     """The time integration of a run.
 
     h: steps [s], all the same or one after the other; rule: "consistent" or "paper"; start: one of
-    `STARTS`.
+    `STARTS_AT_REST`.
     """
 
     h: float | Array
@@ -69,6 +65,7 @@ def _steps(h: float, contact_h: float | None, times: Array) -> float | Array:
     """The steps of a run: h, or h and contact_h as they come."""
     if contact_h is None:
         return h
+    # By the recorded times: files have no list of the steps.
     return np.where(np.diff(times) > 0.5 * (h + contact_h), h, contact_h)
 
 
@@ -110,6 +107,7 @@ def read_again(body: str, file: SuperelementFile | None) -> Superelement:
 
 def instants(times: Array, t: Array) -> Instants:
     """The instants of times t (k,) among those of the steps (n,); `RecoveryError` outside them."""
+    # The end may be asked for as a decimal number.
     outside = t[(t < times[0]) | (t > times[-1] * (1.0 + 1e-12))]
     if outside.size:
         raise RecoveryError(
@@ -117,6 +115,7 @@ def instants(times: Array, t: Array) -> Instants:
         )
     after = np.searchsorted(times, t).clip(0, len(times) - 1)
     before = (after - 1).clip(0)
+    # At the first step both are the same, and the length is none.
     length = np.where(after > before, times[after] - times[before], 1.0)
     return Instants(before, after, ((t - times[before]) / length).clip(0.0, 1.0))
 
@@ -163,7 +162,8 @@ class ModalSteps:
         self._next, self._etas = 0, self._steps()
         size = (2 if self._apart else 1) * 8 * len(p) * len(modes.omega)
         self._kept: list[Array] | None = None
-        if size <= KEPT:
+        # Otherwise each call steps the modes from the start again.
+        if size <= MAX_KEPT_MODAL_BYTES:
             self._kept = [np.empty((len(p), len(modes.omega))) for _ in range(1 + self._apart)]
 
     @property
@@ -212,10 +212,12 @@ class ModalSteps:
         modes, p, run = self._modes, self._p, self._run
         at_once = p[0] @ modes.phi
         start: dict[str, Array] = {}
+        # As the solver itself starts its modes, see docs/theory.md.
         if run.start == "equilibrium":
             start = {"eta": at_once / modes.omega**2}
         elif run.rule == "consistent":
             start = {"acceleration": at_once}
+        # The rule of the paper has the mean of the loads at both ends of a step.
         halves = run.rule != "consistent"
         loads = (0.5 * (a + b) if halves else b for a, b in pairwise(p))
         return stressed(modes, run.h, run.scheme, (load @ modes.phi for load in loads), **start)

@@ -10,15 +10,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..files.html import listed, table
 from ..superelement import Modes, Outline, Recovery, Superelement, SuperelementError, von_mises
-from ..superelement.validation import Array
 from .contents import Contents, SuperelementFile, attributes_of
 from .errors import ExportError, RecoveryError, ResultsError
 from .file import FileSource, netcdf
 from .motion import (
-    EVENTS,
-    TIME,
+    EVENT_QUANTITIES,
+    TIME_QUANTITY,
     BodyMotion,
     ContactMotion,
     CouplerMotion,
@@ -38,8 +38,8 @@ from .outlines import Outlines
 from .outlines import Source as OutlineSource
 from .quantity import Quantity, Recorded
 from .recovery import (
-    KEPT,
-    STARTS,
+    MAX_KEPT_MODAL_BYTES,
+    STARTS_AT_REST,
     Instants,
     ModalSteps,
     in_space,
@@ -49,8 +49,8 @@ from .recovery import (
     second_order_loads,
     stepping,
 )
-from .search import BLOCK, LENGTHS, Extremes, Field, extremes
-from .source import ALL, Selection, Source
+from .search import LENGTH_OF_FIELD, MODAL_BLOCK_STEPS, Extremes, Field, extremes
+from .source import ALL_ROWS, Selection, Source
 from .space import Connection, Place
 from .summary import rows, spanned
 from .validity import Check, Validity
@@ -59,14 +59,25 @@ Motion = TypeVar("Motion", bound=Recorded)
 
 
 class Results:
-    """The results of a run.
+    """The results of a run, in memory or in a file.
 
     Arrays are read when asked for; between reads a file is closed.
 
     Fields of flexible bodies (`displacement`, `stress`, `von_mises`, `position`) are superposed
-    from the modes of their superelements, at times t [s], one or several (k,), of the run; between
+    from the modes of their superelements, at one or several times t (k,) [s] of the run; between
     steps they are linear in time. They take one pass over the steps before t: ask for many times at
     once. `RecoveryError` names the missing data.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> results.bodies
+    ('ball',)
+    >>> results.body("ball").v[-1, :3].round(6).tolist()
+    [0.0, 0.0, -10.0]
     """
 
     def __init__(
@@ -81,10 +92,18 @@ class Results:
     def read(
         cls, path: str | os.PathLike[str], superelements: Mapping[str, Superelement] | None = None
     ) -> "Results":
-        """Open a results file; `ResultsError` if it is none, or of another version.
+        """Open a results file.
 
-        superelements: by body, for fields, where the files that the run read are no longer where
-        they were.
+        Parameters
+        ----------
+        path : path
+        superelements : mapping of Superelement, optional
+            By body, for fields, where the files that the run read are no longer where they were.
+
+        Raises
+        ------
+        ResultsError
+            Where it is no results file, or one of another version.
         """
         return cls(FileSource(Path(path)), superelements)
 
@@ -116,6 +135,7 @@ class Results:
 
     @property
     def bodies(self) -> tuple[str, ...]:
+        """The names of the recorded bodies."""
         return self._names("body")
 
     @property
@@ -136,18 +156,22 @@ class Results:
 
     @property
     def springs(self) -> tuple[str, ...]:
+        """The names of the recorded springs."""
         return self._names("spring")
 
     @property
     def couplers(self) -> tuple[str, ...]:
+        """The names of the recorded couplers."""
         return self._names("coupler")
 
     @property
     def contacts(self) -> tuple[str, ...]:
+        """The names of the recorded contacts."""
         return self._names("contact")
 
     @property
     def stops(self) -> tuple[str, ...]:
+        """The names of the recorded stops."""
         return self._names("stop")
 
     @property
@@ -162,6 +186,7 @@ class Results:
 
     @property
     def motors(self) -> tuple[str, ...]:
+        """The names of the recorded motors."""
         return self._names("motor")
 
     @property
@@ -177,26 +202,28 @@ class Results:
 
     @property
     def time(self) -> Array:
-        """(n,) [s]"""
-        (time,) = self._source.read([(TIME, None)])
+        """The recorded times (n,) [s]."""
+        (time,) = self._source.read([(TIME_QUANTITY, None)])
         return time
 
     @property
     def energy(self) -> Energy:
+        """The energies of the model over time [J]."""
         return self._whole(Energy)
 
     @property
     def momentum(self) -> Momentum:
+        """The linear and angular momentum of the model over time."""
         return self._whole(Momentum)
 
     @property
     def iterations(self) -> Array:
-        """(n,) Newton iterations of each recorded step"""
+        """The Newton iterations (n,) of each recorded step."""
         return self._whole(Solution).iterations
 
     @property
     def residual(self) -> Array:
-        """(n,) relative residual of each recorded step"""
+        """The relative residual (n,) of each recorded step."""
         return self._whole(Solution).residual
 
     @property
@@ -224,7 +251,7 @@ class Results:
         """The file of the superelement of each flexible body."""
         return dict(self._source.contents().superelements)
 
-    def variable(self, name: str, rows: slice = ALL, owner: str = "") -> Array:
+    def variable(self, name: str, rows: slice = ALL_ROWS, owner: str = "") -> Array:
         """A variable over time by its name in a file, or some of its rows (n, ...).
 
         owner: what of it belongs to one alone. `KeyError` if it was not recorded.
@@ -254,6 +281,7 @@ class Results:
         return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
     def body(self, name: str) -> BodyMotion:
+        """The motion of a body."""
         return self._of(BodyMotion, name)
 
     def frame(self, name: str) -> FrameMotion:
@@ -265,6 +293,7 @@ class Results:
         return self._of(JointMotion, name)
 
     def spring(self, name: str) -> SpringMotion:
+        """The motion of a spring."""
         return self._of(SpringMotion, name)
 
     def contact(self, name: str) -> ContactMotion | StopMotion:
@@ -298,7 +327,9 @@ class Results:
         contents, units = self.contents, dict[str, None]()
         axes = contents.axes
         if group == "events":
-            (event,) = (quantity for quantity in EVENTS if quantity.attribute == attribute)
+            (event,) = (
+                quantity for quantity in EVENT_QUANTITIES if quantity.attribute == attribute
+            )
             return event.units(axes, axes["event_owner"].number(owner))[0]
         for name, quantity, entries in attributes_of(contents.quantities, axes, group, owner):
             if name == attribute:
@@ -436,8 +467,8 @@ class Results:
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
-                f"body {body!r}: superelement {element.name!r} holds no recovery, for which its "
-                f"body file needs a table [recovery]"
+                f"body {body!r}: superelement {element.name!r} holds no recovery: add "
+                f"a table [recovery] to its body file and preprocess it again"
             )
         self._check_recoverable(body, element)
         return element, element.recovery, element.modes
@@ -460,7 +491,10 @@ class Results:
         if made is None or made[0] is not element or made[1].n != len(time):
             run = stepping(self._source.name, self.solver, time)
             made = element, ModalSteps(*self._loads(body, element, of_element), run)
-            if sum(steps.nbytes for _, steps in (made, *self._made_steps.values())) > KEPT:
+            if (
+                sum(steps.nbytes for _, steps in (made, *self._made_steps.values()))
+                > MAX_KEPT_MODAL_BYTES
+            ):
                 self._made_steps.clear()
             self._made_steps[body] = made
             self._made_extremes = {
@@ -468,7 +502,7 @@ class Results:
             }
         return recovery, made[1]
 
-    def field_extremes(self, body: str, name: str, rows: slice = ALL) -> Extremes:
+    def field_extremes(self, body: str, name: str, rows: slice = ALL_ROWS) -> Extremes:
         """The extremes over recorded steps of the largest value of a field at any point of a body.
 
         name: "von_mises" or "displacement"; rows: among these steps, from which its numbers of
@@ -481,8 +515,8 @@ class Results:
         if key not in self._made_extremes:
             stress = name == "von_mises"
             shapes = self._stress_modes(body, recovery) if stress else recovery.phi
-            blocks = modal.blocks(slice(first, last), BLOCK, stress)
-            self._made_extremes[key] = extremes(Field(shapes, LENGTHS[name]), blocks)
+            blocks = modal.blocks(slice(first, last), MODAL_BLOCK_STEPS, stress)
+            self._made_extremes[key] = extremes(Field(shapes, LENGTH_OF_FIELD[name]), blocks)
         return self._made_extremes[key]
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
@@ -513,7 +547,7 @@ class Results:
             raise RecoveryError(
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
             )
-        if (start := self.solver.get("start", "given")) not in STARTS:
+        if (start := self.solver.get("start", "given")) not in STARTS_AT_REST:
             raise RecoveryError(
                 f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )

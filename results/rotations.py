@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 
 
 def rotate(q: Array, x: Array) -> Array:
@@ -53,6 +53,7 @@ def apply_tangent(w: Array, a: Array) -> Array:
     t = |w|; below one radian by power series, which leave nothing to cancellation.
     """
     square = np.sum(w * w, axis=1, keepdims=True)
+    # Both branches are computed for all rows, so neither may divide by zero or overflow.
     small = np.minimum(square, 1.0)
     c_2 = sum((-small) ** i / factorial(2 + 2 * i) for i in range(10))
     c_3 = sum((-small) ** i / factorial(3 + 2 * i) for i in range(10))

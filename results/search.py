@@ -16,22 +16,18 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..files.arrays import Array, Index
 from ..superelement import von_mises
-from ..superelement.validation import Array
 from .steps import batches
 
-Index = NDArray[np.int64]
-
-AT_ONCE = 1_000_000
-"""values at points, of all steps together, that are in memory"""
-STRIDE = 64
-"""steps of the intervals with which the search begins; a power of two"""
-BLOCK = 64 * STRIDE
-"""steps of which the modal coordinates are in memory"""
-LOW = 16
-"""steps of which the smallest value is sought at once"""
+# Values at points times steps in memory together.
+SEARCH_BATCH_VALUES = 1_000_000
+# Intervals are halved down to single steps, so this is a power of two.
+FIRST_INTERVAL_STEPS = 64
+# Modal coordinates of as many steps are in memory.
+MODAL_BLOCK_STEPS = 64 * FIRST_INTERVAL_STEPS
+LOW_BLOCK_STEPS = 16
 
 
 @dataclass(frozen=True)
@@ -67,7 +63,7 @@ class Field:
     def of_modes(self) -> Array:
         """The largest value (m,) of each mode."""
         found = np.zeros(self._shapes.shape[2])
-        for part in batches(self.n_points, AT_ONCE // max(len(found), 1)):
+        for part in batches(self.n_points, SEARCH_BATCH_VALUES // max(len(found), 1)):
             of_part = self._length(np.moveaxis(self._shapes[part], 2, 0))
             np.maximum(found, of_part.max(axis=1), out=found)
         return found
@@ -79,8 +75,11 @@ def euclidean(components: Array) -> Array:
     return lengths
 
 
-LENGTHS: dict[str, Callable[[Array], Array]] = {"von_mises": von_mises, "displacement": euclidean}
-"""of the fields that are searched for"""
+# How a field is measured where its extremes are sought.
+LENGTH_OF_FIELD: dict[str, Callable[[Array], Array]] = {
+    "von_mises": von_mises,
+    "displacement": euclidean,
+}
 
 
 def extremes(field: Field, blocks: Iterable[tuple[int, Array]]) -> Extremes:
@@ -108,13 +107,16 @@ class _Search:
 
     def _sought(self, x: Array, known: Array) -> Iterator[Index]:
         """Steps (k,) whose values are needed to be sure of the largest one."""
-        ends = np.unique(np.append(np.arange(0, len(x), STRIDE), len(x) - 1))
+        ends = np.unique(np.append(np.arange(0, len(x), FIRST_INTERVAL_STEPS), len(x) - 1))
         yield ends
         a, b = ends[:-1], ends[1:]
         while len(a):
             inside = b - a > 1
             a, b = a[inside], b[inside]
+            # F is convex in x: on the chord it is at most the larger end; off it, at most by what
+            # each mode can add.
             reach = np.maximum(known[a], known[b]) + self._beyond_chord(x, a, b)
+            # What cannot exceed the largest value that is known needs no look.
             a, b = a[reach > self.found.largest], b[reach > self.found.largest]
             middle = (a + b) // 2
             yield middle
@@ -131,12 +133,13 @@ class _Search:
 
     def _evaluate(self, first: int, x: Array, rows: Index, known: Array) -> None:
         """F at some steps, from all points."""
-        for part in batches(len(rows), AT_ONCE // self._field.n_points):
+        for part in batches(len(rows), SEARCH_BATCH_VALUES // self._field.n_points):
             here = rows[part]
             values = self._field.values(x[here])
             points = values.argmax(axis=1)
             largest = values[np.arange(len(here)), points]
             known[here] = largest
+            # A stress peaks at few points of a body, so these bound most steps from below.
             self._hot = np.union1d(self._hot, points)
             self._note(first + here, largest, points)
 
@@ -159,6 +162,7 @@ class _Search:
         bounds = np.full(len(x), -np.inf)
         taken: Index = np.zeros(0, dtype=np.int64)
         while True:
+            # Evaluations below can add points, by which the bounds rise.
             fresh = np.setdiff1d(self._hot, taken)
             taken = self._hot
             left = np.flatnonzero(np.isnan(known) & (bounds < self.found.smallest))
@@ -169,5 +173,5 @@ class _Search:
                 left = left[bounds[left] < self.found.smallest]
             if not len(left):
                 return
-            lowest = left[np.argsort(bounds[left], kind="stable")[:LOW]]
+            lowest = left[np.argsort(bounds[left], kind="stable")[:LOW_BLOCK_STEPS]]
             self._evaluate(first, x, np.sort(lowest), known)

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .batches import Batch, EventRows
 from .contents import Contents
 from .quantity import Quantity
@@ -13,8 +13,7 @@ from .space import Space
 
 Selection = tuple[Quantity, Any]
 """a quantity, and entries of its second dimension: a number, a slice, or None for all"""
-ALL = slice(None)
-"""rows"""
+ALL_ROWS = slice(None)
 
 
 class Source(Protocol):
@@ -32,7 +31,7 @@ class Source(Protocol):
     def notes(self) -> dict[str, Any]:
         """Notes of the run: step size, seconds, ..."""
 
-    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
+    def read(self, selections: Sequence[Selection], rows: slice = ALL_ROWS) -> list[Array]:
         """The rows (n, ...) that count, or some of them."""
 
     def events(self) -> EventRows:
@@ -138,7 +137,7 @@ class Memory:
     def notes(self) -> dict[str, Any]:
         return dict(self._notes)
 
-    def read(self, selections: Sequence[Selection], rows: slice = ALL) -> list[Array]:
+    def read(self, selections: Sequence[Selection], rows: slice = ALL_ROWS) -> list[Array]:
         if len(self._batches) > 1:
             self._batches = [
                 {

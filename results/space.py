@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..files.arrays import Array
 from ..superelement import Outline
-from ..superelement.validation import Array
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,28 @@ class ContactShape:
 
 @dataclass(frozen=True, eq=False)
 class Connection:
-    """What acts between two frames.
+    """A coupling between two frames, as views draw it.
 
-    name; group: "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers"; type:
-    "revolute", ...; between: "BODY.FRAME", "BODY" for its center of mass, or "ground.NAME", or
-    "ground" where the other frame starts; axis (3,): of a joint and others that have one, a unit
-    vector in the axes of the first frame, which for "ground" are those of space; else None;
-    shape: of a contact; None of others, and in files of earlier versions of Duhamel.
+    Parameters
+    ----------
+    name : str
+    group : str
+        "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers".
+    type : str
+        "revolute", ...
+    between : (str, str)
+        "BODY.FRAME", "BODY" for its center of mass, "ground.NAME", or "ground" where the other
+        frame starts.
+    axis : (3,), optional
+        Of joints and others that have one: a unit vector in the axes of the first frame, which for
+        "ground" are those of space.
+    shape : ContactShape, optional
+        Of a contact; files of earlier versions have none.
+
+    Examples
+    --------
+    >>> Connection("hinge", "joints", "revolute", between=("ground", "arm.root")).type
+    'revolute'
     """
 
     name: str

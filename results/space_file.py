@@ -7,28 +7,28 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..files.arrays import Array
 from ..files.hdf5 import texts, whole
 from ..superelement import Outline, SuperelementError
 from ..superelement.cells import padded
-from ..superelement.validation import Array
 from .errors import ResultsError
 from .space import Connection, ContactShape, Space
 
-GROUP = "space"
-TEXT = h5py.string_dtype()
+SPACE_GROUP = "space"
+TEXT_OF_SPACE = h5py.string_dtype()
+# The name that the netCDF library gives to a dimension without a variable; others look for it.
 WITHOUT_VALUES = "This is a netCDF dimension but not a netCDF variable.%10d"
-"""the name of a dimension without a variable, as the netCDF library gives it"""
 
 
 def put_space(file: h5py.File, space: Space) -> None:
     """Write the group of a new file."""
-    group = file.create_group(GROUP, track_order=True)
+    group = file.create_group(SPACE_GROUP, track_order=True)
     _Writer(group).put(space)
 
 
 def read_space(file: h5py.File) -> Space | None:
     """What the group holds; None where there is none, as in files before version 7."""
-    if not isinstance(group := file.get(GROUP), h5py.Group):
+    if not isinstance(group := file.get(SPACE_GROUP), h5py.Group):
         return None
     try:
         return Space(
@@ -38,7 +38,7 @@ def read_space(file: h5py.File) -> Space | None:
             dict(_interfaces(group)),
         )
     except (SuperelementError, KeyError, IndexError, ValueError) as error:
-        raise ResultsError(f"group {GROUP!r}: {error}") from error
+        raise ResultsError(f"group {SPACE_GROUP!r}: {error}") from error
 
 
 class _Writer:
@@ -135,7 +135,7 @@ class _Writer:
 
     def _put_texts(self, name: str, dimension: str, what: str, values: Sequence[str]) -> None:
         data = np.array(values, dtype=object)
-        dataset = self._group.create_dataset(name, data=data, dtype=TEXT)
+        dataset = self._group.create_dataset(name, data=data, dtype=TEXT_OF_SPACE)
         dataset.attrs["long_name"] = what
         if name == dimension:
             dataset.make_scale(name)

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..superelement.validation import Array
+from ..files.arrays import Array, Index
 from .errors import ExportError
 
-ROUNDING = 1e-9
-"""of times, in the length of the run"""
+# Relative to the length of the run: times are sums of many steps.
+RELATIVE_TIME_ROUNDING = 1e-9
 
 
 def window(time: Array, start: float | None = None, end: float | None = None) -> slice:
@@ -25,12 +25,12 @@ def window(time: Array, start: float | None = None, end: float | None = None) ->
 
 def inside(time: Array, start: float, end: float) -> NDArray[np.bool_]:
     """Which of the times (n,) are from start to end, both within but for rounding [s]."""
-    rounding = ROUNDING * float(np.ptp(time))
+    rounding = RELATIVE_TIME_ROUNDING * float(np.ptp(time))
     found: NDArray[np.bool_] = (time >= start - rounding) & (time <= end + rounding)
     return found
 
 
-def evenly(time: Array, rows: slice, most: int) -> NDArray[np.int64]:
+def evenly(time: Array, rows: slice, most: int) -> Index:
     """The numbers of at most so many of these steps, evenly over time, first and last with them."""
     first, last, _ = rows.indices(len(time))
     if last - first <= most:

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..files.arrays import Array
 from ..files.html import Row, listed
-from ..superelement.validation import Array
 from .validity import Validity
 
 

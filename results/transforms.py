@@ -14,20 +14,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..superelement.validation import Array
+from ..files.arrays import Array
 from .errors import QuantityError, SeriesError, SeriesWarning
-from .quantities import KINDS, evaluate
+from .quantities import KINDS_BY_NAME, evaluate
 from .results import Results
 from .series.bands import octave_bands
 from .series.filters import butterworth, cfc
-from .series.fourier import SCALES, WINDOWS, Spectrum, cumulative_rms, fourier, psd
+from .series.fourier import SPECTRUM_SCALES, WINDOW_NAMES, Spectrum, cumulative_rms, fourier, psd
 from .series.sampling import sampled
 from .series.shock import (
-    EXTREMES,
-    LOWEST,
-    OVERSAMPLING,
-    RESPONSES,
-    SPANS,
+    DEFAULT_MIN_FREQUENCY,
+    EXTREME_KINDS,
+    MIN_SAMPLES_PER_PERIOD,
+    RESPONSE_KINDS,
+    RESPONSE_SPANS,
     octave_frequencies,
     shock_spectrum,
 )
@@ -40,11 +40,11 @@ Applied = tuple[Array, Array]
 
 TIME, FREQUENCY = "s", "Hz"
 """units of the abscissa"""
-GRAVITY = 9.80665
-"""[m/s^2]"""
+# [m/s^2], exact by definition (CGPM 1901).
+STANDARD_GRAVITY = 9.80665
+# The unit of an acceleration in g, and the power of g in it.
 IN_G = {"m/s²": ("g", 1), "m/s² s": ("g s", 1), "(m/s²)²/Hz": ("g²/Hz", 2)}
-"""units of accelerations, in g, and the power of g in them"""
-ACCELERATIONS = ("m/s²", "rad/s²")
+ACCELERATION_UNITS = ("m/s²", "rad/s²")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +120,8 @@ def _quality(given: Given) -> float:
 
 def _srs(time: Array, values: Array, given: Given) -> Applied:
     series = sampled(time, values)
-    lowest = _number(given, "from", LOWEST)
-    highest = _number(given, "to", 1.0 / (OVERSAMPLING * series.coarsest))
+    lowest = _number(given, "from", DEFAULT_MIN_FREQUENCY)
+    highest = _number(given, "to", 1.0 / (MIN_SAMPLES_PER_PERIOD * series.coarsest))
     frequencies = octave_frequencies(lowest, highest, _whole(given, "per_octave", 12))
     found = shock_spectrum(
         time,
@@ -136,7 +136,7 @@ def _srs(time: Array, values: Array, given: Given) -> Applied:
 
 
 def _srs_unit(unit: str, given: Given) -> str:
-    if unit not in ACCELERATIONS:
+    if unit not in ACCELERATION_UNITS:
         raise QuantityError(f"srs: expected an acceleration, [m/s²] or [rad/s²], found [{unit}]")
     angle = unit.partition("/")[0]
     units = {"pseudo-velocity": f"{angle}/s", "displacement": angle}
@@ -146,13 +146,13 @@ def _srs_unit(unit: str, given: Given) -> str:
 def _srs_told(given: Given) -> str:
     quality = _quality(given)
     damping = "no damping" if np.isinf(quality) else f"Q = {quality:.4g}"
-    sides = [str(given[key]) for key in ("extreme", "span") if given[key] not in _PLAIN]
+    sides = [str(given[key]) for key in ("extreme", "span") if given[key] not in _PLAIN_SPECTRUM]
     return ", ".join(["shock response spectrum", damping, *sides])
 
 
-_PLAIN = (EXTREMES[0], SPANS[0])
+_PLAIN_SPECTRUM = (EXTREME_KINDS[0], RESPONSE_SPANS[0])
 
-_RESPONSES = {
+_RESPONSE_LABELS = {
     "absolute": "absolute acceleration",
     "static": "equivalent static acceleration",
     "pseudo-velocity": "pseudo-velocity",
@@ -210,13 +210,13 @@ def _windowed(words: str) -> Callable[[Given], str]:
     """The words, with the window unless it is the usual one."""
 
     def told(given: Given) -> str:
-        return words if given["window"] == _USUAL[words] else f"{words}, {given['window']}"
+        return words if given["window"] == _USUAL_WINDOWS[words] else f"{words}, {given['window']}"
 
     return told
 
 
-_USUAL = {"Fourier spectrum": "rectangular", "power spectral density": "hann"}
-_WELCH = ("hann", *(name for name in WINDOWS if name != "hann"))
+_USUAL_WINDOWS = {"Fourier spectrum": "rectangular", "power spectral density": "hann"}
+_WELCH_WINDOWS = ("hann", *(name for name in WINDOW_NAMES if name != "hann"))
 
 TRANSFORMS = {
     "srs": Transform(
@@ -225,8 +225,8 @@ TRANSFORMS = {
         _srs_told,
         FREQUENCY,
         numbers=("q", "from", "to", "per_octave", "zeta"),
-        words={"response": RESPONSES, "extreme": EXTREMES, "span": SPANS},
-        ordinate=lambda given: _RESPONSES[str(given["response"])],
+        words={"response": RESPONSE_KINDS, "extreme": EXTREME_KINDS, "span": RESPONSE_SPANS},
+        ordinate=lambda given: _RESPONSE_LABELS[str(given["response"])],
         paper=_srs_paper,
     ),
     "fourier": Transform(
@@ -234,7 +234,7 @@ TRANSFORMS = {
         lambda unit, given: f"{unit} s" if given["scale"] == "transient" else unit,
         _windowed("Fourier spectrum"),
         FREQUENCY,
-        words={"scale": SCALES, "window": WINDOWS},
+        words={"scale": SPECTRUM_SCALES, "window": WINDOW_NAMES},
         ordinate=lambda given: {"amplitude": "peak amplitude", "rms": "RMS amplitude"}.get(
             str(given["scale"]), ""
         ),
@@ -246,7 +246,7 @@ TRANSFORMS = {
         _windowed("power spectral density"),
         FREQUENCY,
         numbers=("resolution",),
-        words={"window": _WELCH},
+        words={"window": _WELCH_WINDOWS},
         paper=lambda given: "log",
     ),
     "cumulative_rms": Transform(
@@ -255,7 +255,7 @@ TRANSFORMS = {
         lambda given: "cumulative RMS",
         FREQUENCY,
         numbers=("resolution",),
-        words={"window": _WELCH},
+        words={"window": _WELCH_WINDOWS},
         ordinate=lambda given: "RMS below the frequency",
         paper=lambda given: "log",
     ),
@@ -301,8 +301,8 @@ TRANSFORMS = {
         required=2,
     ),
 }
+# The only transform that changes nothing but the unit.
 IN_GRAVITIES = "g"
-"""the transform that only changes the unit"""
 
 Step = tuple[str, Given]
 """the name of a transform, and its arguments"""
@@ -348,6 +348,7 @@ def check(results: Results, text: str) -> Series:
     found = _quantity(results, quantity)
     try:
         for name, given in steps:
+            # The unit "g" is no transform of the table: it has no arguments, and computes nothing.
             found = in_g(found) if name == IN_GRAVITIES else _expected(found, name, given)
     except (SeriesError, QuantityError) as error:
         raise QuantityError(f"{text}: {error}") from error
@@ -359,11 +360,12 @@ def in_g(found: Series) -> Series:
     if found.unit not in IN_G:
         raise QuantityError(f"g: expected an acceleration, [m/s²], found [{found.unit}]")
     unit, power = IN_G[found.unit]
-    return replace(found, unit=unit, values=found.values / GRAVITY**power)
+    return replace(found, unit=unit, values=found.values / STANDARD_GRAVITY**power)
 
 
 def parse(text: str) -> tuple[str, list[Step]]:
     """The quantity within, and the transforms from the inside out."""
+    # Greedy, so that the last bracket closes the outermost transform.
     match = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None:
         opened = re.match(r"\s*(\w+)\s*\(", text)
@@ -395,6 +397,7 @@ def split(text: str) -> list[str]:
             parts.append("")
         else:
             parts[-1] += character
+    # With brackets that do not match, messages come out best from all parts.
     return parts if depth == 0 else text.split(",")
 
 
@@ -411,7 +414,8 @@ def _quantity(results: Results, quantity: str) -> Series:
     if quantity in TRANSFORMS:
         raise QuantityError(f"{quantity}: expected {form(quantity)}")
     found = evaluate(results, quantity)
-    axes = () if found.axis else KINDS[found.kind].axes
+    # One axis was chosen: the series has one column, and no names of columns.
+    axes = () if found.axis else KINDS_BY_NAME[found.kind].axes
     owners = {name.partition(".")[0] for name in found.names} & results.bands.keys()
     return Series(
         found.kind,
@@ -441,8 +445,9 @@ def _within(found: Series, window: Window) -> Series:
 
 def _applied(found: Series, name: str, given: Given) -> Series:
     expected, values = _expected(found, name, given), found.values
+    # Transforms compute in SI units: the square of an acceleration in g is no density in SI.
     if powers := dict(IN_G.values()).get(found.unit):
-        values = values * GRAVITY**powers
+        values = values * STANDARD_GRAVITY**powers
     abscissa, made = TRANSFORMS[name].apply(found.abscissa, values, given)
     made_of = replace(expected, abscissa=abscissa, values=made)
     return in_g(made_of) if powers and made_of.unit in IN_G else made_of

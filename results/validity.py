@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import NamedTuple
 
-SHOWN = 10
-"""warnings of one criterion that are written out"""
+# Of one criterion: a model of hundreds of bodies would hide the others.
+MAX_SHOWN_WARNINGS = 10
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,10 @@ class Criterion:
         return f"{'>' if self.least else '<'} {self.measured(value)}"
 
 
-_DIVIDE = "divide the body into several superelements"
-MEND_DEFORMATION = f"{_DIVIDE}, or check loads and units"
-"""what to do where a body deforms beyond linear elasticity"""
+_DIVIDE_BODY = "divide the body into several superelements"
+MEND_DEFORMATION = f"{_DIVIDE_BODY}, or check loads and units"
 _ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
-_LIST = (
+_CRITERIA_IN_ORDER = (
     Criterion(
         "elastic_rotation",
         "interface",
@@ -179,7 +178,7 @@ _LIST = (
         "",
         0.5,
         0.9,
-        f"nothing resists its rotation where all is lost: {_DIVIDE}",
+        f"nothing resists its rotation where all is lost: {_DIVIDE_BODY}",
         measures=(
             "the part of a moment of inertia that the elastic motion of a body with terms of "
             "second order takes"
@@ -382,8 +381,8 @@ _LIST = (
         measures="by how much the rate of an angle missed it over a step",
     ),
 )
-CRITERIA = {criterion.name: criterion for criterion in _LIST}
-"""all criteria by name, in the order of tables"""
+# By name, in the order of the tables.
+CRITERIA = {criterion.name: criterion for criterion in _CRITERIA_IN_ORDER}
 
 
 class UsedStep(NamedTuple):
@@ -485,9 +484,9 @@ class Validity:
         poor = list(self._poor())
         for criterion in CRITERIA.values():
             lines = [check.warning for check in poor if check.criterion is criterion]
-            yield from lines[:SHOWN]
-            if len(lines) > SHOWN:
-                yield f"and {len(lines) - SHOWN} more: {criterion.quantity}"
+            yield from lines[:MAX_SHOWN_WARNINGS]
+            if len(lines) > MAX_SHOWN_WARNINGS:
+                yield f"and {len(lines) - MAX_SHOWN_WARNINGS} more: {criterion.quantity}"
 
     @property
     def summary(self) -> str:

@@ -6,11 +6,11 @@ from itertools import product
 from typing import TypeVar
 
 from .errors import QuantityError
-from .quantities import KINDS, names_in_role
+from .quantities import KINDS_BY_NAME, names_in_role
 from .results import Results
 from .transforms import check, parse
 
-STAR = "*"
+WILDCARD_STAR = "*"
 Made = TypeVar("Made")
 
 
@@ -22,7 +22,7 @@ def named(results: Results, text: str) -> list[str]:
     another kind. `QuantityError` where nothing has such a name.
     """
     quantity, _ = parse(text)
-    if STAR not in quantity:
+    if WILDCARD_STAR not in quantity:
         return [text]
     found = _matching(results, quantity)
     if not found:
@@ -42,6 +42,7 @@ def of_all(names: Iterable[str], made: Callable[[str], Iterable[Made]]) -> list[
             found += made(name)
         except QuantityError as error:
             lacking = error
+    # Of a mixed list it is enough that some have it; an error is for none.
     if lacking is not None and not found:
         raise lacking
     return found
@@ -49,17 +50,21 @@ def of_all(names: Iterable[str], made: Callable[[str], Iterable[Made]]) -> list[
 
 def _matching(results: Results, pattern: str) -> list[str]:
     kind_name, *names = pattern.split(":")
-    if kind_name not in KINDS:
+    if kind_name not in KINDS_BY_NAME:
         check(results, pattern)
-    roles = KINDS[kind_name].names
-    axis = [] if names[len(roles) :] == [STAR] and KINDS[kind_name].axes else names[len(roles) :]
+    roles = KINDS_BY_NAME[kind_name].names
+    axis = (
+        []
+        if names[len(roles) :] == [WILDCARD_STAR] and KINDS_BY_NAME[kind_name].axes
+        else names[len(roles) :]
+    )
     choices = [_owners(results, role, name) for role, name in zip(roles, names, strict=False)]
     return [":".join([kind_name, *chosen, *axis]) for chosen in product(*choices)]
 
 
 def _owners(results: Results, role: str, pattern: str) -> list[str]:
     """The owners in a role, as "BODY|FRAME", that a pattern stands for."""
-    if STAR not in pattern:
+    if WILDCARD_STAR not in pattern:
         return [pattern]
     names: list[str] = []
     for word in role.split("|"):

@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from ..files.arrays import Array as Array
+from ..files.arrays import Index as Index
 
 
 def as_index(values: Any) -> Index:

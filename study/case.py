@@ -11,9 +11,17 @@ import tomli_w
 
 @dataclass(frozen=True)
 class Case:
-    """A case: its parameters by dotted key, its document, and its files.
+    """One case of a study.
 
-    document: the base file with these parameters.
+    Parameters
+    ----------
+    name : str
+    parameters : mapping
+        By dotted key.
+    document : mapping
+        The base file with these parameters.
+    folder : Path
+        Of its files.
     """
 
     name: str

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..inputs import dotted, quoted
 from .errors import StudyError
-from .expressions import RESERVED, evaluate, names_in
+from .expressions import RESERVED_WORDS, evaluate, names_in
 from .keys import entries, leaves, value_at
 
 
@@ -25,8 +25,8 @@ def own_names(
     used = {name for definition in derived.values() for name in _names(definition)}
     for name in names:
         where = f"{place if name in parameters else 'derived.'}{dotted([name])}"
-        if not name.isidentifier() or name in RESERVED:
-            raise StudyError(f"{where}: expected a word that is no function as a name")
+        if not name.isidentifier() or name in RESERVED_WORDS:
+            raise StudyError(f"{where}: expected a name that is one word and no function")
         if name not in used:
             raise StudyError(
                 f"{where}: no key of the base file, and no name that [derived] uses; "
@@ -107,9 +107,11 @@ class Derivation:
 
     def _look_up(self, asked: str) -> Any:
         """The value of a name or a key, after what it is made of."""
+        # A definition that needs one that has begun, and is not done, is a cycle.
         for key in self.begun[:-1]:
             if self._meet(asked, key):
-                raise StudyError(f"{asked} follows from itself, by {', '.join(self.begun)}")
+                raise StudyError(f"{asked} depends on itself, through {', '.join(self.begun)}")
+        # Also keys that lie within what is asked for, as entries of a vector.
         for key in list(self.pending):
             if key in self.pending and self._meet(asked, key):
                 self._compute(key)
@@ -118,7 +120,7 @@ class Derivation:
             return self._at(self.names, asked)
         value = self._at(self.document, asked)
         if isinstance(value, str):  # a path would be relative to another file
-            raise StudyError(f"{asked}: expected numbers, found {quoted(value)}; text has names")
+            raise StudyError(f"{asked}: expected numbers, found the text {quoted(value)}")
         return value
 
     def _at(self, table: Mapping[str, Any], asked: str) -> Any:

@@ -27,19 +27,19 @@ def _power(base: Number, exponent: Number) -> Number:
     return int(power) if is_exact and exponent >= 0 else power
 
 
-BINARY: dict[type[ast.operator], Callable[[Any, Any], Number]] = {
+BINARY_OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Number]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
     ast.Pow: _power,
 }
-UNARY: dict[type[ast.unaryop], Callable[[Any], Number]] = {
+UNARY_OPERATORS: dict[type[ast.unaryop], Callable[[Any], Number]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
-CONSTANTS = {"pi": math.pi}
-FUNCTIONS: dict[str, Callable[..., Number]] = {
+NAMED_CONSTANTS = {"pi": math.pi}
+NAMED_FUNCTIONS: dict[str, Callable[..., Number]] = {
     function.__name__: function
     for function in (
         *(math.sqrt, math.exp, math.log, math.log10, math.hypot, math.radians, math.degrees),
@@ -47,14 +47,14 @@ FUNCTIONS: dict[str, Callable[..., Number]] = {
         *(abs, min, max, round, math.floor, math.ceil),
     )
 }
-LONGEST = 1000
-"""characters of an expression"""
-LARGEST = 2**63 - 1
-"""integer of TOML"""
-RESERVED = frozenset({*CONSTANTS, *FUNCTIONS})
-"""words that are no names of parameters"""
-FAULTS = (ArithmeticError, ValueError, TypeError, RecursionError, MemoryError)
-"""what arithmetic raises"""
+# Characters; formulas that people write are far shorter.
+MAX_EXPRESSION_LENGTH = 1000
+# Integers of TOML have 64 bits.
+MAX_TOML_INTEGER = 2**63 - 1
+# They cannot be names of parameters.
+RESERVED_WORDS = frozenset({*NAMED_CONSTANTS, *NAMED_FUNCTIONS})
+# What an operator can raise on numbers, a deep tree and a huge power included.
+ARITHMETIC_FAULTS = (ArithmeticError, ValueError, TypeError, RecursionError, MemoryError)
 
 
 def evaluate(text: str, look_up: LookUp) -> Any:
@@ -64,14 +64,14 @@ def evaluate(text: str, look_up: LookUp) -> Any:
     """
     tree = _parsed(text)
     try:
-        if (key := _key(tree)) is not None and key not in CONSTANTS:
+        if (key := _key(tree)) is not None and key not in NAMED_CONSTANTS:
             return look_up(key)
         value = _value(tree, look_up)
     except StudyError as error:
         raise StudyError(f"{error}, in {quoted(text)}") from error
-    except FAULTS as error:
+    except ARITHMETIC_FAULTS as error:
         raise StudyError(f"expected arithmetic, found {quoted(text)}: {error}") from error
-    if not (abs(value) <= LARGEST if isinstance(value, int) else math.isfinite(value)):
+    if not (abs(value) <= MAX_TOML_INTEGER if isinstance(value, int) else math.isfinite(value)):
         raise StudyError(f"expected a finite number, found {quoted(value)} of {quoted(text)}")
     return value
 
@@ -79,18 +79,19 @@ def evaluate(text: str, look_up: LookUp) -> Any:
 def names_in(text: str) -> Iterator[str]:
     """The names that an expression asks for, of dotted keys the first part."""
     for node in ast.walk(_parsed(text)):
-        if isinstance(node, ast.Name) and node.id not in RESERVED:
+        if isinstance(node, ast.Name) and node.id not in RESERVED_WORDS:
             yield node.id
 
 
 def _parsed(text: str) -> ast.expr:
-    if len(text) > LONGEST:
-        raise StudyError(f"expected at most {LONGEST} characters, found {len(text)}")
+    if len(text) > MAX_EXPRESSION_LENGTH:
+        raise StudyError(f"expected at most {MAX_EXPRESSION_LENGTH} characters, found {len(text)}")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # of code that is no arithmetic anyway
+            # Parsed, never evaluated by Python: study files may come from others.
             return ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, *FAULTS) as error:
+    except (SyntaxError, *ARITHMETIC_FAULTS) as error:
         reason = getattr(error, "msg", str(error))
         raise StudyError(f"expected arithmetic, found {quoted(text)}: {reason}") from error
 
@@ -99,23 +100,27 @@ def _value(node: ast.expr, look_up: LookUp) -> Number:
     if isinstance(node, ast.Constant):
         constant: Any = node.value
         return _number(constant, "")
-    if isinstance(node, ast.BinOp) and type(node.op) in BINARY:
-        return BINARY[type(node.op)](_value(node.left, look_up), _value(node.right, look_up))
-    if isinstance(node, ast.UnaryOp) and type(node.op) in UNARY:
-        return UNARY[type(node.op)](_value(node.operand, look_up))
+    if isinstance(node, ast.BinOp) and type(node.op) in BINARY_OPERATORS:
+        return BINARY_OPERATORS[type(node.op)](
+            _value(node.left, look_up), _value(node.right, look_up)
+        )
+    if isinstance(node, ast.UnaryOp) and type(node.op) in UNARY_OPERATORS:
+        return UNARY_OPERATORS[type(node.op)](_value(node.operand, look_up))
     if isinstance(node, ast.Call) and not node.keywords:
         return _called(node, look_up)
     if (key := _key(node)) is None:
         raise StudyError(f"expected numbers, names, + - * / ** and functions, found {_shown(node)}")
-    return CONSTANTS[key] if key in CONSTANTS else _number(look_up(key), f"{key} = ")
+    return NAMED_CONSTANTS[key] if key in NAMED_CONSTANTS else _number(look_up(key), f"{key} = ")
 
 
 def _called(call: ast.Call, look_up: LookUp) -> Number:
     name = _key(call.func)
-    if name not in FUNCTIONS:
-        raise StudyError(f"no function {_shown(call.func)}; there are: {', '.join(FUNCTIONS)}")
+    if name not in NAMED_FUNCTIONS:
+        raise StudyError(
+            f"no function {_shown(call.func)}; there are: {', '.join(NAMED_FUNCTIONS)}"
+        )
     arguments = [_value(argument, look_up) for argument in call.args]
-    return FUNCTIONS[name](*arguments)
+    return NAMED_FUNCTIONS[name](*arguments)
 
 
 def _key(node: ast.expr) -> str | None:

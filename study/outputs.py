@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..results import QuantityError, Results, SeriesError, transforms
-from ..results.motion import EVENTS
+from ..results.motion import EVENT_QUANTITIES
 from ..results.series import rms
 from ..results.transforms import Series
-from ..superelement.validation import Array
 from .errors import StudyError
 
 
@@ -42,12 +42,12 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
     "argmax": lambda time, samples: float(time[samples.argmax()]),
     "argmin": lambda time, samples: float(time[samples.argmin()]),
 }
+# Reductions that make sense over frequency too.
 OF_SPECTRA = ("max", "min", "argmax", "argmin")
-"""the reductions that also hold over frequency"""
+# Reductions that give a time or a frequency, not a value.
 OF_TIMES = ("argmax", "argmin")
-"""the reductions that give a time or a frequency"""
-VALUE = "value"
-"""the reduction that takes the value at a time or frequency"""
+# The reduction that takes the value at a time or frequency.
+VALUE_REDUCTION = "value"
 
 
 OF_EVENTS: dict[str, Callable[[Array], float]] = {
@@ -59,12 +59,12 @@ OF_EVENTS: dict[str, Callable[[Array], float]] = {
     "sum": lambda samples: float(samples.sum()),
     "count": lambda samples: float(len(samples)),
 }
+# Reductions that are defined without any event.
 OF_NOTHING = ("sum", "count")
-"""which also hold for no events"""
-EVENT = "event"
-COLUMNS = tuple(quantity.attribute for quantity in EVENTS)
+EVENT_WORD = "event"
+EVENT_COLUMNS = tuple(quantity.attribute for quantity in EVENT_QUANTITIES)
+# Also of contacts that were closed at the start or at the end of the run.
 ALWAYS_KNOWN = ("start", "peak", "impulse", "dissipated")
-"""also of contacts that were closed at the start or at the end of the run"""
 
 
 def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
@@ -110,7 +110,7 @@ def _value(results: Results, output: str) -> float:
     samples = found.values
     if asked.magnitude:
         samples = np.linalg.norm(samples, axis=1) if samples.ndim > 1 else np.abs(samples)
-    if asked.reduction == VALUE:
+    if asked.reduction == VALUE_REDUCTION:
         return _at(asked, found.abscissa, samples)
     return REDUCTIONS[asked.reduction](*_within(asked, found.abscissa, samples))
 
@@ -142,9 +142,10 @@ def _look(results: Results, output: str) -> None:
 def _check_columns(asked: "_Output", found: Series) -> None:
     """That an output is of one number over time or frequency, and of a kind that can be reduced."""
     is_spectrum = found.base == transforms.FREQUENCY
-    if is_spectrum and asked.reduction not in (*OF_SPECTRA, VALUE):
+    if is_spectrum and asked.reduction not in (*OF_SPECTRA, VALUE_REDUCTION):
         raise StudyError(
-            f"{asked.text!r} is of a spectrum: expected one of {', '.join((*OF_SPECTRA, VALUE))}"
+            f"{asked.text!r} is of a spectrum: expected one of "
+            f"{', '.join((*OF_SPECTRA, VALUE_REDUCTION))}"
         )
     if asked.unit not in ("", found.base):
         raise StudyError(f"{asked.text!r}: expected {found.base}, found {asked.unit}")
@@ -181,7 +182,7 @@ def _at(asked: "_Output", abscissa: Array, samples: Array) -> float:
 
 
 def _is_event(quantity: str) -> bool:
-    return quantity.partition(":")[0] == EVENT
+    return quantity.partition(":")[0] == EVENT_WORD
 
 
 def _events(results: Results, quantity: str) -> Array:
@@ -191,10 +192,10 @@ def _events(results: Results, quantity: str) -> Array:
     if name not in owners:
         known = ", ".join(sorted(owners)) or "none"
         raise StudyError(f"{quantity}: no contact or stop {name!r}; there are: {known}")
-    if any(more) or column not in ("", *COLUMNS):
+    if any(more) or column not in ("", *EVENT_COLUMNS):
         raise StudyError(
-            f"{quantity}: expected {EVENT}:NAME or one of {EVENT}:NAME:COLUMN with "
-            f"{', '.join(COLUMNS)}"
+            f"{quantity}: expected {EVENT_WORD}:NAME or one of {EVENT_WORD}:NAME:COLUMN with "
+            f"{', '.join(EVENT_COLUMNS)}"
         )
     events = owners[name]
     samples: Array = getattr(events, column or "start")
@@ -215,18 +216,18 @@ class _Output(NamedTuple):
     unit: str = ""
 
 
-NUMBER = r"([-+.\deE]+)"
-OUTPUT = re.compile(
+NUMBER_PATTERN = r"([-+.\deE]+)"
+OUTPUT_PATTERN = re.compile(
     r"\s*(?P<reduction>\S+)\s+(?P<bar>\|?)(?P<quantity>[^\s|(]+\([^|]*\)|[^\s|]+)(?P<end>\|?)"
-    rf"(\s+at\s+(?P<at>{NUMBER})|\s+from\s+(?P<low>{NUMBER})\s+to\s+(?P<high>{NUMBER}))?"
+    rf"(\s+at\s+(?P<at>{NUMBER_PATTERN})|\s+from\s+(?P<low>{NUMBER_PATTERN})\s+to\s+(?P<high>{NUMBER_PATTERN}))?"
     r"(\s*(?P<unit>s|Hz))?\s*"
 )
 
 
 def _parsed(output: str) -> _Output:
-    match = OUTPUT.fullmatch(output)
+    match = OUTPUT_PATTERN.fullmatch(output)
     of_events = match is not None and _is_event(match["quantity"])
-    reductions = OF_EVENTS if of_events else (*REDUCTIONS, VALUE)
+    reductions = OF_EVENTS if of_events else (*REDUCTIONS, VALUE_REDUCTION)
     if match is None or match["reduction"] not in reductions or match["bar"] != match["end"]:
         raise StudyError(
             f"expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of "
@@ -239,10 +240,11 @@ def _parsed(output: str) -> _Output:
             limits = float(at or low), float(at or match["high"])
     except ValueError:
         raise StudyError(f"expected numbers after at, from and to, found {output!r}") from None
-    fits = not (of_events and (at or low)) and bool(at) == (reduction == VALUE)
+    fits = not (of_events and (at or low)) and bool(at) == (reduction == VALUE_REDUCTION)
     if not fits or limits[0] > limits[1] or (match["unit"] and not (at or low)):
         raise StudyError(
-            f"expected {VALUE} QUANTITY at X, or another reduction, of no events, from A to B, "
+            f"expected {VALUE_REDUCTION} QUANTITY at X, or another reduction, of no events, from A "
+            "to B, "
             f"found {output!r}"
         )
     return _Output(

@@ -15,8 +15,8 @@ from .errors import StudyError
 from .keys import leaves
 from .samples import MOST_CASES, Design, is_distribution, sampled
 
-NAME = "case"
-"""the column of a table that names its cases"""
+# The column of a table that names its cases.
+NAME_COLUMN = "case"
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def rows(path: Path) -> Iterator[Point]:
                 f"{path}: case {number}: expected {len(header)} values, found {len(row)}"
             )
         cells = dict(zip(header, row, strict=True))
-        name = cells.pop(NAME, _numbered(number))
+        name = cells.pop(NAME_COLUMN, _numbered(number))
         if name in known or not re.fullmatch(r"\w[\w.+-]{0,99}", name):
             raise StudyError(
                 f"{path}: case {number}: expected a new name for files, found {quoted(name)}"

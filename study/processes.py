@@ -13,16 +13,16 @@ from ..files.memory import available
 from .case import Case, Kind
 from .workers import Report, attempt
 
+# A case that ends as many processes is to blame itself, not the machine.
 MOST_DEATHS = 4
-"""of processes by one case, which then is to blame"""
-MEMORY = 250e6
-"""bytes of a process with its packages and a small case"""
-SPAWN = multiprocessing.get_context("spawn")
-"""new processes: copies of this one would have its threads' locks"""
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""of linear algebra, in the environment: a process is for one core"""
+# A process with its packages and a small case.
+BYTES_OF_PROCESS = 250e6
+# New processes, not copies: a fork would inherit the locks of this one's threads.
+SPAWN_CONTEXT = multiprocessing.get_context("spawn")
+# Each process has one core; more threads of linear algebra would compete for it.
+LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+# Keeps Python from importing what lies in the user's folder.
 SAFE_PATH = "PYTHONSAFEPATH"
-"""in the environment: Python imports nothing that lies in the folder that the user is in"""
 
 
 class _Process(Protocol):
@@ -34,8 +34,8 @@ class Worker:
     """A process that makes one case after another."""
 
     def __init__(self, kind: Kind) -> None:
-        self.pipe, far_end = SPAWN.Pipe()
-        process = SPAWN.Process(target=_serve, args=(far_end, kind), daemon=True)
+        self.pipe, far_end = SPAWN_CONTEXT.Pipe()
+        process = SPAWN_CONTEXT.Process(target=_serve, args=(far_end, kind), daemon=True)
         with _environment():
             process.start()
         far_end.close()  # so that the pipe ends with the process
@@ -118,7 +118,7 @@ def _cores() -> int:
     """Those that this process may use, where the system says it, and has memory for."""
     is_known = hasattr(os, "sched_getaffinity")
     cores = len(os.sched_getaffinity(0)) if is_known else os.cpu_count() or 1
-    return max(1, min(cores, int(available() // MEMORY)))
+    return max(1, min(cores, int(available() // BYTES_OF_PROCESS)))
 
 
 def _hand_over(worker: Worker, case: Case) -> None:
@@ -159,7 +159,7 @@ def _serve(pipe: Any, kind: Kind) -> None:
 @contextmanager
 def _environment() -> Iterator[None]:
     """What processes that start within find in their environment, beside what is there."""
-    added = {name: "1" for name in (*THREADS, SAFE_PATH) if name not in os.environ}
+    added = {name: "1" for name in (*LINEAR_ALGEBRA_THREADS, SAFE_PATH) if name not in os.environ}
     os.environ.update(added)
     try:
         yield

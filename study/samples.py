@@ -8,15 +8,14 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
+from ..files.arrays import Array
 from ..inputs import Table, dotted, quoted
-from ..superelement.validation import Array
 from .errors import StudyError
 from .keys import leaves
 
 MOST_CASES = 100_000
-"""of a study"""
-LEAST = 2.0**-53
-"""probability that the tails of a normal distribution leave out"""
+# Half the spacing of numbers below 1: probabilities of 0 and 1 would give infinite values.
+MIN_TAIL_PROBABILITY = 2.0**-53
 
 
 class Design(Table):
@@ -43,7 +42,9 @@ def _log_uniform(low: float, high: float, p: Array) -> Array:
 def _normal(mean: float, deviation: float, p: Array) -> Array:
     from scipy.special import ndtri
 
-    values: Array = mean + deviation * ndtri(np.clip(p, LEAST, 1.0 - LEAST))
+    values: Array = mean + deviation * ndtri(
+        np.clip(p, MIN_TAIL_PROBABILITY, 1.0 - MIN_TAIL_PROBABILITY)
+    )
     return values
 
 
@@ -52,7 +53,7 @@ DISTRIBUTIONS: dict[str, Quantile] = {
     "log_uniform": _log_uniform,
     "normal": _normal,
 }
-EXPECTED = {
+EXPECTED_PARAMETERS = {
     "uniform": "two numbers that rise",
     "log_uniform": "two positive numbers that rise",
     "normal": "a mean and a positive standard deviation",
@@ -99,7 +100,8 @@ def _axis(key: str, value: Any) -> tuple[str, Callable[[Array], list[Any]]]:
     key, _, name = key.rpartition(".")
     if not _is_valid(name, *value):
         raise StudyError(
-            f"parameters.{dotted([key])}.{name}: expected {EXPECTED[name]}, found {value}"
+            f"parameters.{dotted([key])}.{name}: expected {EXPECTED_PARAMETERS[name]}, found "
+            f"{value}"
         )
     first, second = map(float, value)
     return key, lambda p: DISTRIBUTIONS[name](first, second, p).tolist()

@@ -23,14 +23,18 @@ from .digest import digest
 from .keys import matching
 from .outputs import check, units, values
 
-SUPERELEMENTS = "bodies.*.superelement"
-RECORDED = "*.file"
-"""signals that are columns of files"""
+SUPERELEMENT_KEYS = "bodies.*.superelement"
+# Signals that are columns of files.
+SIGNAL_FILE_KEYS = "*.file"
 
 
 @dataclass(frozen=True)
 class Simulation:
-    paths: ClassVar[tuple[str, ...]] = (SUPERELEMENTS, "simulation.start.from", RECORDED)
+    paths: ClassVar[tuple[str, ...]] = (
+        SUPERELEMENT_KEYS,
+        "simulation.start.from",
+        SIGNAL_FILE_KEYS,
+    )
     columns: ClassVar[tuple[str, ...]] = ("seconds", "steps", "iterations")
 
     @property
@@ -97,7 +101,7 @@ def _superelements(case: Case) -> dict[str, str]:
 
 def _bodies(case: Case, rigid: bool) -> Iterator[tuple[str, Path]]:
     """The bodies with a superelement that are rigid, or those that are flexible, and its file."""
-    for key, path in matching(case.document, [SUPERELEMENTS]):
+    for key, path in matching(case.document, [SUPERELEMENT_KEYS]):
         name = key.split(".")[1]
         if bool(case.document["bodies"][name].get("rigid", False)) == rigid:
             yield name, case.folder / path
@@ -108,6 +112,6 @@ def _records(case: Case) -> str:
 
     Those of recorded signals, and the superelements of rigid bodies.
     """
-    named = {digest(case.folder / path) for _, path in matching(case.document, [RECORDED])}
+    named = {digest(case.folder / path) for _, path in matching(case.document, [SIGNAL_FILE_KEYS])}
     named |= {digest(path) for _, path in _bodies(case, rigid=True)}
     return " ".join(sorted(named))

@@ -22,8 +22,8 @@ from .samples import Design
 
 AnyPath = Annotated[Path, Field(strict=False)]
 
-COPIES = 20
-"""bytes in memory of a case for each byte of its file"""
+# Bytes in memory of a case for each byte of its file: Python objects hold the parsed tables.
+MEMORY_PER_FILE_BYTE = 20
 
 
 class _StudyFile(Table):
@@ -50,7 +50,24 @@ class _StudyFile(Table):
 
 @dataclass(frozen=True)
 class Study:
-    """A base file, the cases that vary it, and their outputs by name (outputs.py)."""
+    """A base file, the cases that vary it, and their outputs; `read_study` reads it from a file.
+
+    Parameters
+    ----------
+    path : Path
+        The study file.
+    kind : Kind
+        What is made of each case: a run of a model, or a superelement of a body.
+    base : Path
+        The model or body file that the cases vary.
+    folder : Path
+        Of the files of the cases and the summary.
+    cases : tuple of Case
+    outputs : mapping of str
+        By name, see docs/studies.md.
+    table : Path, optional
+        The table of the parameters, if they are not in the study file.
+    """
 
     path: Path
     kind: Kind
@@ -87,15 +104,33 @@ def units_beside(summary: Path) -> Path:
 
 
 def study_schema() -> dict[str, Any]:
-    """The JSON schema of study files, by which editors complete and check them."""
+    """The JSON schema of study files, by which editors complete and check them.
+
+    Examples
+    --------
+    >>> sorted(study_schema()["properties"])
+    ['body', 'derived', 'design', 'model', 'outputs', 'parameters', 'table']
+    """
     return document_of(_StudyFile, "A study file of Duhamel")
 
 
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:
-    """Read a study file, its table and its base file.
+    """Read a study file, its table and its base file; nothing is written.
 
-    folder: of the cases, by default named as the study file and beside it. Nothing is written.
-    `StudyError` names the file, the key and the value found there.
+    Parameters
+    ----------
+    path : path
+    folder : path, optional
+        Of the cases, by default named as the study file and beside it.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    StudyError
+        Names the file, the key and the value found there. See `sweep` for an example.
     """
     path = Path(path).absolute()
     try:
@@ -121,7 +156,7 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     )
     table = None if file.table is None else path.parent / file.table
     points = list(_points(file, table))
-    if lacking := shortage(COPIES * len(points) * base.stat().st_size):
+    if lacking := shortage(MEMORY_PER_FILE_BYTE * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
     derived = definitions(document, file.derived, points[0].parameters)
     place = "parameters." if table is None else f"{table}: column "

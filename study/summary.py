@@ -11,25 +11,35 @@ from typing import Any
 import numpy as np
 
 from ..files import write_rows
+from ..files.arrays import Array
 from ..files.outputs import in_words
 from ..inputs import InputError, quoted, read_text
-from ..superelement.validation import Array
 from .case import Case
 from .errors import StudyError
 from .study_file import Study, units_beside
 
 STATUS, MESSAGE = "status", "message"
 """columns: that after the parameters, and that after the numbers"""
-UNITS = ("output", "unit")
-"""columns of the file with units"""
+# Columns of the file with units.
+UNIT_COLUMNS = ("output", "unit")
 
 
 @dataclass(frozen=True)
 class Row:
-    """A case in the summary.
+    """A case in the summary of a study.
 
-    status: "done", "failed", or "open" where the study was stopped before it. reused: it was there
-    already.
+    Parameters
+    ----------
+    case : Case
+    status : {"open", "done", "failed"}
+        "open" where the study was stopped before it.
+    numbers : dict of float
+        Its outputs by name.
+    message : str
+        Why it failed.
+    warnings : tuple of str
+    reused : bool
+        It was there already, and up to date.
     """
 
     case: Case
@@ -65,7 +75,7 @@ def write_units(study: Study, rows: Sequence[Row]) -> None:
         return
     found = study.kind.units(done, study.outputs)
     try:
-        write_rows(study.units, [UNITS, *found.items()])
+        write_rows(study.units, [UNIT_COLUMNS, *found.items()])
     except OSError as error:
         raise StudyError(f"{study.units}: cannot be written: {in_words(error)}") from error
 
@@ -75,7 +85,9 @@ def _read_units(path: Path) -> dict[str, str]:
     if not path.is_file():
         return {}
     rows = list(csv.reader(io.StringIO(read_text(path), newline="")))
-    if rows[:1] != [list(UNITS)] or any(len(row) != len(UNITS) for row in rows if row):
+    if rows[:1] != [list(UNIT_COLUMNS)] or any(
+        len(row) != len(UNIT_COLUMNS) for row in rows if row
+    ):
         raise StudyError(f"{path}: no units of a study")
     return {row[0]: row[1] for row in rows[1:] if row}
 
@@ -88,8 +100,16 @@ def _cell(value: Any) -> Any:
 class Summary:
     """The cases of a summary that are done, in their order, and those that failed.
 
-    parameters: values as TOML has them by key; numbers (n,): those of runs, and outputs, by name;
-    failed: values of the parameters of cases that failed; units: of outputs, by name.
+    Parameters
+    ----------
+    parameters : mapping of list
+        Values as TOML has them, by key.
+    numbers : mapping of (n,)
+        Those of runs, and outputs, by name.
+    failed : mapping of list
+        Values of the parameters of cases that failed.
+    units : mapping of str
+        Of outputs, by name.
     """
 
     parameters: Mapping[str, list[Any]]
@@ -99,7 +119,21 @@ class Summary:
 
 
 def read_summary(path: Path) -> Summary:
-    """Read what `write_summary` wrote; `StudyError` names the file."""
+    """Read the summary of a study that `sweep` wrote.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    StudyError
+        Names the file, which is no summary or cannot be read. See `sweep` for an example.
+    """
     try:
         header, *rows = list(csv.reader(io.StringIO(read_text(path), newline=""))) or [[]]
         found = _summary(header, [row for row in rows if row])

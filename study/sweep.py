@@ -29,12 +29,61 @@ def sweep(
     on_finished: OnFinished = lambda row: None,
     on_begin: OnBegin = lambda cases, size: None,
 ) -> tuple[Row, ...]:
-    """Make the cases that are missing or out of date, and write FOLDER/summary.csv.
+    """Run the cases of a study that are missing or out of date, and write FOLDER/summary.csv.
 
-    force: make all cases; workers: processes on this machine, all cores by default; 0 for this
-    process; scheduler: the address of a Dask scheduler, whose workers see the folder under the same
-    path. Raises `StudyError` for faults of the study that show before any case runs, and
-    `ClusterError`.
+    Parameters
+    ----------
+    study : Study
+    workers : int, optional
+        Processes on this machine, one for each core by default; 0 runs all in this process.
+    scheduler : str, optional
+        The address of a Dask scheduler, whose workers see the folder under the same path.
+    force : bool
+        Run all cases.
+    on_finished : callable
+        Called with the `Row` of each case that is finished, or up to date.
+    on_begin : callable
+        Called before any case runs, with how many will run and about how many bytes they write,
+        0 if that is not known.
+
+    Returns
+    -------
+    tuple of Row
+        Of all cases, in their order; those that failed have a message.
+
+    Raises
+    ------
+    StudyError
+        For faults of the study that show before any case runs.
+    ClusterError
+        Where Dask is not installed, or its scheduler cannot be reached.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.study import read_study, read_summary
+    >>> model = '''
+    ... [bodies.ball]
+    ... mass = 1.0
+    ... inertia = [0.1, 0.1, 0.1]
+    ... [simulation]
+    ... t_end = 0.1
+    ... step = 0.01
+    ... '''
+    >>> study = '''
+    ... model = "ball.toml"
+    ... parameters."bodies.ball.mass" = [1.0, 2.0]
+    ... outputs.height = "max position:ball:z"
+    ... '''
+    >>> with TemporaryDirectory() as name:
+    ...     folder = Path(name)
+    ...     written = (folder / "ball.toml").write_text(model)
+    ...     written = (folder / "masses.toml").write_text(study)
+    ...     rows = sweep(read_study(folder / "masses.toml"), workers=0)
+    ...     summary = read_summary(folder / "masses" / "summary.csv")
+    >>> [row.status for row in rows], summary.parameters["bodies.ball.mass"]
+    (['done', 'done'], [1.0, 2.0])
     """
     check_outputs(study)
     made = set() if force else {case.name for case in study.cases if study.kind.is_made(case)}
@@ -43,6 +92,7 @@ def sweep(
         _check(study)
         on_begin(len(todo), len(todo) * study.kind.size(study.base))
         _write_sources(study)
+    # In the order of the study, whatever the order in which workers finish.
     rows = {case.name: Row(case) for case in study.cases}
 
     def finish(case: Case, report: Report) -> None:
@@ -54,10 +104,12 @@ def sweep(
         for case in study.cases:
             if case.name in made:
                 finish(case, Report())
+        # Closed at once on errors and Ctrl-C, so that no worker goes on.
         with closing(_reports(study, todo, workers, scheduler)) as reports:
             for case, report in reports:
                 finish(case, report)
     finally:
+        # Also of a study that was stopped: what is done need not be run again.
         write_summary(study.summary, study, list(rows.values()))
         write_units(study, list(rows.values()))
     return tuple(rows.values())
@@ -104,5 +156,6 @@ def _write_sources(study: Study) -> None:
         try:
             case.source.write_text(case.text, encoding="utf-8")
         except (OSError, UnicodeEncodeError) as error:
+            # No half-written case stays behind.
             case.source.unlink(missing_ok=True)
             raise StudyError(f"{case.source}: cannot be written: {in_words(error)}") from error

@@ -13,8 +13,8 @@ from .errors import ClusterError
 if TYPE_CHECKING:
     from distributed import Client
 
-PATIENCE = 60
-"""longest wait for a scheduler and its first worker [s]"""
+# [s], for a scheduler and its first worker.
+MAX_SCHEDULER_WAIT = 60
 
 
 @dataclass(frozen=True)
@@ -100,12 +100,12 @@ def _client(scheduler: str) -> Iterator["Client"]:
             "or no --scheduler for processes of this machine"
         ) from error
     try:
-        client = Client(scheduler, timeout=PATIENCE)
+        client = Client(scheduler, timeout=MAX_SCHEDULER_WAIT)
     except (OSError, ValueError, TypeError) as error:  # TypeError: TLS without certificates
         raise ClusterError(f"{scheduler}: no scheduler: {error}") from error
     with client:
         try:
-            client.wait_for_workers(1, timeout=PATIENCE)
+            client.wait_for_workers(1, timeout=MAX_SCHEDULER_WAIT)
         except TimeoutError as error:
-            raise ClusterError(f"{scheduler}: no worker within {PATIENCE} s") from error
+            raise ClusterError(f"{scheduler}: no worker within {MAX_SCHEDULER_WAIT} s") from error
         yield client

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..files.arrays import Array, Complex
 from .cells import normals
 from .checks import (
-    DECADES,
-    ROUNDING,
+    DECADES_OF_DECAY,
+    MAX_RELATIVE_DEVIATION,
     Check,
     as_modes,
     decay,
@@ -23,21 +24,41 @@ from .kernel import sample_kernel
 from .modes import Modes
 from .outline import Outline
 from .superelement import Superelement
-from .transfer import Complex, summed, transfer
-from .validation import SYMMETRY_TOLERANCE, Array
+from .transfer import summed, transfer
+from .validation import SYMMETRY_TOLERANCE
 
-FREQUENCIES = 256
-"""at which transforms are looked at, no more than the kernel has lags"""
-REAL = 8
-"""delays on the real axis, where the transform falls from the compliance to its start"""
+# Each costs a sum over all lags; a kernel with fewer lags has no more independent values.
+MAX_TRANSFORM_FREQUENCIES = 256
+# Along the real axis the transform falls smoothly from the compliance to the first lag.
+N_REAL_DELAYS = 8
 
 
 def check(element: Superelement) -> tuple[Check, ...]:
-    """All that must hold of a superelement, recomputed.
+    """Check everything that must hold of a superelement, by recomputing it.
 
-    Reciprocity, the quick checks that every file passes when it is read, that the kernel is passive
-    and free of rigid motion, and where there are modes, every lag and the transfer function over
-    the band against them. Source: docs/theory.md, What a superelement must satisfy.
+    These are reciprocity, the quick checks that every file passes when it is read, and that the
+    kernel is passive and free of rigid motion. Where there are modes, every lag and the transfer
+    function over the band are compared with them. It takes seconds for large bodies.
+
+    Parameters
+    ----------
+    element : Superelement
+
+    Returns
+    -------
+    tuple of Check
+        Also those that hold. Source: docs/theory.md, What a superelement must satisfy.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> element = beam.superelement(step=1e-4)
+    >>> all(one.holds for one in check(element))
+    True
     """
     return tuple(_checks(element))
 
@@ -50,6 +71,7 @@ def _checks(element: Superelement) -> Iterator[Check]:
     if element.outline is not None and element.outline.n_facets:
         yield _closed(element.outline)
     yield from quick_checks(element)
+    # A body without interfaces has no kernel that could be wrong.
     if element.n_c:
         yield _free_of_rigid_motion(element)
         yield _passive(element)
@@ -71,10 +93,13 @@ def _reciprocal(where: str, matrices: Array) -> Check:
 
 def _closed(outline: Outline) -> Check:
     """The areas of facets as vectors, which sum up to none on a closed surface."""
+    # Gauss: the integral of the outer normal over a closed surface is zero.
     areas = normals(outline.points, outline.triangles)
     total = float(np.linalg.norm(areas, axis=1).sum())
     found = float(np.linalg.norm(areas.sum(axis=0))) / max(total, np.finfo(float).tiny)
-    return Check("outline/cells", "a closed surface", "an area without facets", found, ROUNDING)
+    return Check(
+        "outline/cells", "a closed surface", "an area without facets", found, MAX_RELATIVE_DEVIATION
+    )
 
 
 def _free_of_rigid_motion(element: Superelement) -> Check:
@@ -84,15 +109,18 @@ def _free_of_rigid_motion(element: Superelement) -> Check:
     1; elastic ones are at most H.
     """
     kernel = element.kernel
-    d = (decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES, REAL)).astype(complex)
+    d = (
+        decay(kernel.steps) ** np.geomspace(1.0, kernel.steps / DECADES_OF_DECAY, N_REAL_DELAYS)
+    ).astype(complex)
     sigma, _ = kernel.scheme.symbols(kernel.h, d)
+    # Least squares: with few interfaces the rigid modes at them can be dependent.
     back = np.linalg.pinv(_rigid_modes(element))
     excess = back @ (summed(kernel, d).real - element.compliance) @ back.T
     # Of a body that is soft for so short a kernel, the rounding of H would pass for rigid motion.
-    rounding = ROUNDING * np.linalg.norm(back @ element.compliance @ back.T, 2)
+    rounding = MAX_RELATIVE_DEVIATION * np.linalg.norm(back @ element.compliance @ back.T, 2)
     share = sigma.real * (np.linalg.eigvalsh(excess)[:, -1] - rounding)
     found = float(max(0.0, share.max()))
-    return Check("kernel/g", "no rigid motion", "a share of it", found, ROUNDING)
+    return Check("kernel/g", "no rigid motion", "a share of it", found, MAX_RELATIVE_DEVIATION)
 
 
 def _rigid_modes(element: Superelement) -> Array:
@@ -124,12 +152,13 @@ def _passive(element: Superelement) -> Check:
         "passivity, a positive real transform of the velocities",
         "a negative eigenvalue, relative to the diagonal,",
         found,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
 def _every_lag(element: Superelement, modes: Modes) -> Iterator[Check]:
     kernel = element.kernel
+    # The recursion that made the kernel; `powers_of_two` in the quick checks is another way to it.
     again = sample_kernel(modes, kernel.h, kernel.scheme, kernel.steps)
     for name in ("g", "g_initial"):
         found, expected = getattr(kernel, name), getattr(again, name)
@@ -141,6 +170,7 @@ def _every_lag(element: Superelement, modes: Modes) -> Iterator[Check]:
 def _transfer(element: Superelement, modes: Modes) -> Check:
     """The transfer function of the lags against that of the modes in closed form, over the band."""
     kernel = element.kernel
+    # Beyond a quarter of the sampling rate time stepping differs from the body in any case.
     band = 0.25 / kernel.h if kernel.band is None else kernel.band
     d = _circle(element, min(2.0 * np.pi * band * kernel.h, np.pi))
     expected = transfer(modes, kernel.h, kernel.scheme, d)
@@ -151,6 +181,6 @@ def _transfer(element: Superelement, modes: Modes) -> Check:
 def _circle(element: Superelement, last: float) -> Complex:
     """Delays from angle 0 to the last on the circle on which the lags fade away."""
     steps = element.kernel.steps
-    angles = np.linspace(0.0, last, min(FREQUENCIES, steps) + 2)
+    angles = np.linspace(0.0, last, min(MAX_TRANSFORM_FREQUENCIES, steps) + 2)
     d: Complex = decay(steps) * np.exp(-1j * angles)
     return d

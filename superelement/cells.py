@@ -4,21 +4,20 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .validation import Array, SuperelementError
+from ..files.arrays import Array
+from ..files.arrays import IntArray as IntArray
+from .validation import SuperelementError
 
-IntArray = NDArray[np.int64]
-
-LINE = 2
-TRIANGLES = {
+LINE_POINTS = 2
+# By the number of points of a facet, corners before middle nodes as in meshio.
+TRIANGLES_OF_FACET = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),
     6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
     8: ((0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)),
     9: tuple((a, b, 8) for a, b in pairwise((0, 4, 1, 5, 2, 6, 3, 7, 0))),
 }
-"""the triangles that a facet is cut into, by its number of points, corners first as in meshio"""
 
 
 def checked_cells(name: str, value: Any, n_points: int) -> IntArray:
@@ -34,12 +33,14 @@ def checked_cells(name: str, value: Any, n_points: int) -> IntArray:
             f"{cells.min()} to {cells.max()}"
         )
     cells = cells.astype(np.int64)
+    # Cells are shared between superelements, outlines and views without copies.
     cells.flags.writeable = False
     return cells
 
 
 def of_size(cells: IntArray, k: int) -> IntArray:
     """The cells (m, k) that have k points."""
+    # Where no row is as long as k, the slice is narrower than (0, k), which callers index.
     chosen: IntArray = cells[sizes(cells) == k, :k]
     return chosen if chosen.shape[1] == k else np.empty((0, k), dtype=np.int64)
 
@@ -52,7 +53,9 @@ def sizes(cells: IntArray) -> IntArray:
 
 def triangles(cells: IntArray) -> IntArray:
     """The triangles (m, 3) that all facets are cut into."""
-    cut = [of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES.items()]
+    cut = [
+        of_size(cells, k)[:, list(rows)].reshape(-1, 3) for k, rows in TRIANGLES_OF_FACET.items()
+    ]
     joined: IntArray = np.concatenate(cut)
     return joined
 

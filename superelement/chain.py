@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array
+from ..files.arrays import Complex as Complex
+from .validation import SuperelementError, checked
 
-Complex = NDArray[np.complex128]
-STIFFEST = 1e6
-"""Sum of the amplitudes above which nothing would be left of the relaxed body."""
+# Beyond this ratio of glassy to relaxed stiffness nothing is left of the relaxed body.
+MAX_AMPLITUDE_SUM = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,12 +19,37 @@ class Chain:
         omega^2 becomes omega^2 (1 + sum_k a_k i w tau_k / (1 + i w tau_k))
         eta'' + ... + omega^2 (eta + sum_k a_k q_k) = phi . p,    q_k' + q_k / tau_k = eta'
 
-    tau (K,): relaxation times [s], ascending; amplitude (K,): a of all modes, or (K, m) of each.
-    omega is then that of the relaxed body, to which a load that lasts is applied; q_k are the
-    stretches of the springs of the chain. loss_factor: what the amplitudes were fitted to in
-    `band` [Hz], where they keep it within the relative `ripple`, and `reference` [Hz] the frequency
-    at which the stiffness is that of the body file; without a number of its own, 0, the modes
-    have loss factors that differ. Source: docs/theory.md, Material damping.
+    omega is then that of the relaxed body, which static loads see; q_k are the stretches of the
+    springs of the chain. Source: docs/theory.md, Material damping.
+
+    Parameters
+    ----------
+    tau : (K,) [s]
+        Relaxation times, ascending.
+    amplitude : (K,) or (K, m)
+        The a_k of all modes, or of each mode.
+    loss_factor : float
+        What the amplitudes were fitted to in `band`; 0 where modes have different loss factors.
+    band : (2,) [Hz]
+        Where the loss factor holds within the relative `ripple`.
+    reference : float [Hz]
+        The frequency at which the stiffness is that of the body file; 0 for the static one.
+    ripple : float
+        The largest relative deviation from `loss_factor` in the band.
+
+    Raises
+    ------
+    SuperelementError
+        For times that do not increase, and amplitudes that are negative or too large.
+
+    Examples
+    --------
+    A standard linear solid, whose stiffness rises by 50 % with frequency:
+
+    >>> import numpy as np
+    >>> chain = Chain(tau=np.array([1e-3]), amplitude=np.array([0.5]))
+    >>> chain.factor(np.array([0.0, 1e9]), m=1).real.round(6).ravel().tolist()
+    [1.0, 1.5]
     """
 
     tau: Array
@@ -36,15 +61,17 @@ class Chain:
 
     def __post_init__(self) -> None:
         tau = checked("chain: tau", self.tau, ("k",))
+        # One amplitude for all modes, or one for each of them.
         shape = (len(tau), "m")[: max(1, np.ndim(self.amplitude))]
         a = checked("chain: amplitude", self.amplitude, shape)
         if not len(tau) or tau[0] <= 0.0 or (np.diff(tau) <= 0.0).any():
             raise SuperelementError(
                 f"chain: tau: expected positive times that increase, found {tau.tolist()}"
             )
-        if a.min(initial=0.0) < 0.0 or a.sum(axis=0).max(initial=0.0) > STIFFEST:
+        if a.min(initial=0.0) < 0.0 or a.sum(axis=0).max(initial=0.0) > MAX_AMPLITUDE_SUM:
             raise SuperelementError(
-                f"chain: amplitude: expected numbers >= 0 that add up to {STIFFEST:g} at most, "
+                f"chain: amplitude: expected numbers >= 0 that add up to {MAX_AMPLITUDE_SUM:g} at "
+                "most, "
                 f"found {a.min():.6g} to {a.max():.6g}"
             )
         object.__setattr__(self, "tau", tau)
@@ -76,13 +103,13 @@ class Chain:
         return c
 
     def at(self, omega: Array) -> Complex:
-        """The same (m,) of each mode at a frequency of its own, omega (m,) [rad/s]."""
+        """The stiffness factor (m,) of each mode at its own frequency, omega (m,) [rad/s]."""
         x = 1j * np.multiply.outer(self.tau, omega)
         c: Complex = 1.0 + (self.amplitudes(len(omega)) * (x / (1.0 + x))).sum(axis=0)
         return c
 
     def stepped(self, h: float, delay: Complex, m: int) -> Complex:
-        """The same (n, m) of time stepping by h [s], with d = delay (n,).
+        """The stiffness factor (n, m) under time stepping by h [s], at delays d (n,).
 
         1 + sum_k a_k g_k (1 - d) / (1 - e_k d)
         """

@@ -4,23 +4,49 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..files.arrays import Array
 from .kernel import Kernel
 from .modes import Modes
 from .pattern import Pattern
 from .sensor import Sensor
-from .validation import Array, SuperelementError, check_symmetric, checked
+from .validation import SuperelementError, check_symmetric, checked
 
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """What a body has beside its interfaces: one row for each pattern, then those of each sensor.
+    """The responses of load patterns and sensors.
+
+    There is a row for each pattern, then come the rows of each sensor.
 
         y = phi eta,     eta'' + 2 zeta omega eta' + omega^2 eta = phi_C^T p + phi_patterns^T s
 
     The y of a pattern is the displacement that its amplitude s does work on, int t . u dA; that of
-    a sensor its reading. Both know no rigid motion. phi (n, m), None for a body without modes,
-    which has the kernel, compliance and accelerance of interfaces and channels together instead,
-    (n_c + n, n_c + n).
+    a sensor is its reading. Neither includes rigid motion.
+
+    Parameters
+    ----------
+    patterns : tuple of Pattern
+    sensors : tuple of Sensor
+    phi : (n, m), optional
+        Modes at the channels. A body without modes has the next three instead, of interfaces and
+        channels together.
+    kernel : Kernel, optional
+    compliance, accelerance : (n_c + n, n_c + n), optional
+
+    Raises
+    ------
+    SuperelementError
+        For equal names, and matrices of wrong shape or without symmetry.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel.superelement import Pattern, Sensor
+    >>> wind = Pattern("wind", force=np.array([0.0, 5.0, 0.0]), moment=np.zeros(3))
+    >>> gauge = Sensor("gauge", "stress", X=np.array([0.2, 0.0, 0.0]))
+    >>> channels = Channels((wind,), (gauge,), phi=np.zeros((7, 2)))
+    >>> channels.n, channels.pattern_row("wind"), channels.rows_of_sensors()
+    (7, 0, {'gauge': slice(1, 7, None)})
     """
 
     patterns: tuple[Pattern, ...]
@@ -37,6 +63,7 @@ class Channels:
             names = [entry.name for entry in entries]
             if len(set(names)) != len(names):
                 raise SuperelementError(f"{kind}: expected different names, found {names}")
+        # Frozen dataclasses can replace what was given only in this way, here by checked arrays.
         if self.phi is not None:
             object.__setattr__(self, "phi", checked("channels: phi", self.phi, (self.n, "m")))
         for name in ("compliance", "accelerance"):
@@ -68,7 +95,7 @@ class Channels:
         return rows
 
     def check_sizes(self, n_c: int, modes: Modes | None) -> None:
-        """`SuperelementError` unless they are of a body with such interfaces and modes."""
+        """Raise `SuperelementError` unless the arrays fit n_c interface dofs and some modes."""
         if modes is not None:
             found = None if self.phi is None else self.phi.shape[1]
             if found != len(modes.omega):

@@ -9,27 +9,42 @@ from typing import Any
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Superelement
-from .validation import Array, SuperelementError
+from .validation import SuperelementError
 
-ROUNDING = 1e-6
-"""Deviation, relative to the scale of its rows, that solvers of large systems may leave."""
-FLOOR = 1e-4
-"""Least scale of a row, relative to the largest of its kind, displacements or rotations: what is
-smaller is rounding of the others.
-"""
-DECADES = 12.0
-"""Decades by which the last lag of a kernel fades where its transform is taken."""
+# Iterative solvers of large systems leave that much, relative to the scale of the rows.
+MAX_RELATIVE_DEVIATION = 1e-6
+# Relative to the largest row of its kind, displacements or rotations: what is smaller is rounding
+# of the others.
+MIN_RELATIVE_ROW_SCALE = 1e-4
+# A transform ends with the last lag of a kernel, which must be rounding at the delays looked at.
+DECADES_OF_DECAY = 12.0
 
 
 @dataclass(frozen=True)
 class Check:
-    """A fact: where it must hold, what is expected, and its deviation, which has a limit.
+    """A fact that must hold of a superelement, and how far its numbers deviate from it.
 
-    `measure` says in words what `found` is.
+    Parameters
+    ----------
+    where : str
+        The dataset of the file that it is about.
+    expected, measure : str
+        The fact, and what `found` measures, in words.
+    found, limit : float
+        The deviation, and the largest one that is allowed.
+
+    Examples
+    --------
+    >>> one = Check("kernel/g", "passivity", "a negative eigenvalue", found=0.5, limit=1e-6)
+    >>> one.holds
+    False
+    >>> print(one)
+    kernel/g: expected passivity, found a negative eigenvalue of 0.5, where 1e-06 is allowed
     """
 
     where: str
@@ -40,6 +55,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
+        """Whether the deviation is within its limit."""
         return bool(self.found <= self.limit)
 
     def __str__(self) -> str:
@@ -85,7 +101,9 @@ def deviation(found: Any, expected: Any, scale: Array) -> float:
 def negative_part(A: Any, scale: Array) -> float:
     """The most negative eigenvalue of a Hermitian matrix, its rows on their scale; 0 if none."""
     scaled = A / np.outer(scale, scale)
-    scaled = scaled / max(1.0, ROUNDING * np.abs(scaled).max(initial=0.0))
+    # Where entries are far above the scale of their rows, rounding of these entries would pass for
+    # a negative eigenvalue.
+    scaled = scaled / max(1.0, MAX_RELATIVE_DEVIATION * np.abs(scaled).max(initial=0.0))
     return float(max(0.0, -np.linalg.eigvalsh(scaled).min(initial=0.0)))
 
 
@@ -98,27 +116,29 @@ def scale_of(element: Superelement, A: Array) -> Array:
     moves = np.concatenate(
         [np.zeros(0, dtype=bool), *(np.arange(face.n_dofs) < 3 for face in element.interfaces)]
     )
+    # Never zero: scales are divided by.
     least = np.full(len(diagonal), np.finfo(float).tiny)
     for kind in (moves, ~moves):
-        least[kind] += FLOOR * diagonal[kind].max(initial=0.0)
+        least[kind] += MIN_RELATIVE_ROW_SCALE * diagonal[kind].max(initial=0.0)
     scale: Array = np.sqrt(np.maximum(diagonal, least))
     return scale
 
 
 def decay(steps: int) -> float:
-    """The delay d < 1 at which the lags of a kernel fade over its length: d^steps = 10^-DECADES."""
-    return float(10.0 ** (-DECADES / steps))
+    """The delay d < 1 whose powers fall by `DECADES_OF_DECAY` decades over the kernel's length."""
+    return float(10.0 ** (-DECADES_OF_DECAY / steps))
 
 
 def _inertia(J_rot: Array) -> Check:
     """The moments about two axes add up to more than that about the third, as y^2 + z^2 do."""
+    # Ascending, so that only the largest can exceed the sum of the others.
     first, second, third = np.linalg.eigvalsh(J_rot)
     return Check(
         "rigid/J_rot",
         "principal inertias of which two are no less than the third",
         f"{first:.4g}, {second:.4g} and {third:.4g} kg m^2, an excess",
         float(max(0.0, third - first - second) / third),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -128,7 +148,7 @@ def _definite(element: Superelement, where: str, A: Array) -> Check:
         "a positive semidefinite matrix",
         "a negative eigenvalue, relative to the diagonal,",
         negative_part(A, scale_of(element, A)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -137,6 +157,7 @@ def _start(element: Superelement) -> Iterator[Check]:
     kernel, H = element.kernel, element.compliance
     g_0 = kernel.g[0]
     yield _definite(element, "kernel/g", g_0)
+    # Without stiffness a load of one step would move the body that far.
     bound = element.accelerance / kernel.scheme.beta_prime(kernel.h)
     yield _at_most(element, "kernel/g", "the start within the compliance", g_0, H)
     yield _at_most(element, "kernel/g", "the start within that of the accelerance", g_0, bound)
@@ -148,7 +169,7 @@ def _start(element: Superelement) -> Iterator[Check]:
         "no displacement at once",
         "a displacement, relative to the compliance,",
         deviation(kernel.g_initial[0], np.zeros_like(H), scale_of(element, H)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -158,7 +179,7 @@ def _at_most(element: Superelement, where: str, what: str, A: Array, bound: Arra
         what,
         "an excess, relative to that,",
         negative_part(bound - A, scale_of(element, bound)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -183,13 +204,14 @@ def _of_channels(element: Superelement) -> Iterator[Check]:
     n = element.n_c
     for name in ("compliance", "accelerance"):
         A = getattr(element, f"complete_{name}")
+        # Rows of patterns and sensors have units of their own, so each is its own scale.
         own = np.sqrt(np.maximum(np.abs(A.diagonal()), np.finfo(float).tiny))
         yield Check(
             f"channels/{name}",
             "a positive semidefinite matrix",
             "a negative eigenvalue, relative to the diagonal,",
             negative_part(A, own),
-            ROUNDING,
+            MAX_RELATIVE_DEVIATION,
         )
         alone = getattr(element, name)
         yield as_modes(element, f"channels/{name}", "that of the interfaces", A[:n, :n], alone)
@@ -212,7 +234,7 @@ def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
             f"projections by {name} that give the shapes back",
             "a difference from the unit matrix",
             float(np.abs(rows @ by_mass.T - np.eye(len(rows))).max(initial=0.0)),
-            ROUNDING,
+            MAX_RELATIVE_DEVIATION,
         )
     J = element.J_rot.diagonal()
     share = (rotation.phi_inertia**2).sum(axis=1) / np.concatenate([4.0 * J, J])
@@ -221,7 +243,7 @@ def _of_rotation(element: Superelement, rotation: Rotation) -> Iterator[Check]:
         "changes of inertia that the mass of the body allows",
         "an excess, relative to that,",
         float(max(0.0, share.max() - 1.0)),
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
     for name in ("cubic", "quartic"):
         if (tensor := getattr(rotation, name)) is not None:
@@ -242,7 +264,7 @@ def _bounded(squares: Array, cubic: Array, quartic: Array) -> Check:
         "no negative strain energy along a coordinate",
         "too little, relative to the largest,",
         missing / largest,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -256,7 +278,7 @@ def _of_energy(where: str, tensor: Array) -> Check:
         "the same numbers in any order of the indices",
         "a difference, relative to the largest,",
         max(float(np.abs(tensor - other).max(initial=0.0)) for other in turned) / largest,
-        ROUNDING,
+        MAX_RELATIVE_DEVIATION,
     )
 
 
@@ -269,7 +291,7 @@ def as_modes(element: Superelement, where: str, what: str, found: Any, expected:
         "a difference, relative to the diagonal,",
         deviation(found, expected, scale_of(element, sizes.max(axis=0))),
         # A kernel that is not from modes may differ from them by the error that it states.
-        ROUNDING + 10.0 * element.kernel.error,
+        MAX_RELATIVE_DEVIATION + 10.0 * element.kernel.error,
     )
 
 
@@ -290,6 +312,7 @@ def powers_of_two(
         lags.append(power)
         impulse.append(np.einsum("mj,mj->m", A[:, 0], loaded))
         start.append(np.einsum("mj,mj->m", A[:, 0], initial))
+        # Squaring reaches lag 2^k in k products.
         A, power = A @ A, 2 * power
     return lags, np.array(impulse), np.array(start)
 

@@ -7,11 +7,12 @@ import h5py
 import numpy as np
 
 from ..files import hdf5
-from .validation import Array, SuperelementError, check_shape, checked
+from ..files.arrays import Array
+from .validation import SuperelementError, check_shape, checked
 
 Value = TypeVar("Value", str, int)
-CHUNK = 1 << 20
-"""bytes of a chunk, no more than HDF5 keeps at hand; what is no larger is written as it is"""
+# HDF5 caches chunks of up to 1 MiB by default; data that fit into one need none.
+CHUNK_BYTES = 1 << 20
 
 
 def put(parent: h5py.Group, name: str, data: Any, units: str) -> None:
@@ -27,10 +28,10 @@ def put_large(parent: h5py.Group, name: str, data: Any, units: str = "", kind: A
     """
     kind = data.dtype if kind is None else np.dtype(kind)
     row = kind.itemsize * max(1, data[:1].size)
-    if row * len(data) <= CHUNK:
+    if row * len(data) <= CHUNK_BYTES:
         found = parent.create_dataset(name, data=data.astype(kind, copy=False))
     else:
-        chunks = (max(1, CHUNK // row), *data.shape[1:])
+        chunks = (max(1, CHUNK_BYTES // row), *data.shape[1:])
         found = parent.create_dataset(
             name,
             data.shape,
@@ -40,6 +41,7 @@ def put_large(parent: h5py.Group, name: str, data: Any, units: str = "", kind: A
             compression="gzip",
             compression_opts=1,
         )
+        # Chunk by chunk: a converted copy of everything would double the memory.
         for part in found.iter_chunks():
             found[part] = data[part].astype(kind)
     if units:

@@ -4,49 +4,53 @@ from typing import Any
 
 import numpy as np
 
-from .cells import IntArray, padded
+from ..files.arrays import Array, IntArray
+from .cells import padded
 from .outline import Outline
-from .validation import Array
 
-AROUND = 32
-"""points around a cylinder or a sphere"""
-RINGS = 15
-"""of a sphere between its poles"""
-_FACES = np.array(
+# A polygon of 32 corners stays within 0.5 % of the circle.
+POINTS_AROUND_AXIS = 32
+# Between the poles: as far apart as the points around the axis.
+RINGS_OF_SPHERE = 15
+# Corners are counted along z first, then y, then x.
+_FACES_OF_BOX = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
-"""of a box, whose corners are counted along z first, then y, then x"""
 
 
 def box(edges: Any, center: Any = (0.0, 0.0, 0.0), axes: Array | None = None) -> Outline:
     """A box with edges (3,) [m] along axes, the columns of (3, 3), about a center (3,)."""
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     turn = np.eye(3) if axes is None else axes
-    return Outline(corners * np.array(edges) @ turn.T + np.array(center), _FACES)
+    return Outline(corners * np.array(edges) @ turn.T + np.array(center), _FACES_OF_BOX)
 
 
 def cylinder(radius: float, length: float, axis: Array, center: Any = (0.0, 0.0, 0.0)) -> Outline:
     """A cylinder about a unit axis (3,), its middle at a center (3,) [m]."""
-    angles = 2.0 * np.pi / AROUND * np.arange(AROUND)
+    angles = 2.0 * np.pi / POINTS_AROUND_AXIS * np.arange(POINTS_AROUND_AXIS)
     across = across_of(axis)
     rim = radius * (np.column_stack([np.cos(angles), np.sin(angles)]) @ across)
     ends = [rim - 0.5 * length * axis, rim + 0.5 * length * axis]
+    # The last two points are the centers of the end faces, which are fans of triangles.
     caps = [-0.5 * length * axis[None], 0.5 * length * axis[None]]
-    first = np.arange(AROUND)
+    first = np.arange(POINTS_AROUND_AXIS)
     after = np.roll(first, -1)
-    bottom, top = np.full(AROUND, 2 * AROUND), np.full(AROUND, 2 * AROUND + 1)
-    sides = np.column_stack([first, after, after + AROUND, first + AROUND])
+    bottom, top = (
+        np.full(POINTS_AROUND_AXIS, 2 * POINTS_AROUND_AXIS),
+        np.full(POINTS_AROUND_AXIS, 2 * POINTS_AROUND_AXIS + 1),
+    )
+    sides = np.column_stack([first, after, after + POINTS_AROUND_AXIS, first + POINTS_AROUND_AXIS])
     fans = [
         np.column_stack([bottom, after, first]),
-        np.column_stack([top, first + AROUND, after + AROUND]),
+        np.column_stack([top, first + POINTS_AROUND_AXIS, after + POINTS_AROUND_AXIS]),
     ]
     return Outline(np.concatenate([*ends, *caps]) + np.array(center), padded([sides, *fans]))
 
 
 def sphere(radius: float, center: Any = (0.0, 0.0, 0.0)) -> Outline:
     """A sphere about a center (3,) [m]."""
-    polar = np.pi / (RINGS + 1) * np.arange(1, RINGS + 1)
-    angles = 2.0 * np.pi / AROUND * np.arange(AROUND)
+    polar = np.pi / (RINGS_OF_SPHERE + 1) * np.arange(1, RINGS_OF_SPHERE + 1)
+    angles = 2.0 * np.pi / POINTS_AROUND_AXIS * np.arange(POINTS_AROUND_AXIS)
     theta, phi = np.meshgrid(polar, angles, indexing="ij")
     rings = np.stack(
         [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1
@@ -57,6 +61,8 @@ def sphere(radius: float, center: Any = (0.0, 0.0, 0.0)) -> Outline:
 
 def across_of(axis: Array) -> Array:
     """Two unit vectors (2, 3) across a unit axis, which with it turn to the right."""
+    # The coordinate axis that is farthest from parallel, so that the cross product is well
+    # conditioned.
     least = np.eye(3)[np.argmin(np.abs(axis))]
     one = np.cross(axis, least)
     one /= np.linalg.norm(one)
@@ -65,10 +71,10 @@ def across_of(axis: Array) -> Array:
 
 def _of_sphere(n: int) -> list[IntArray]:
     """Quads between the rings of a sphere of n points, and triangles at its poles."""
-    number = np.arange(n).reshape(RINGS, AROUND)
+    number = np.arange(n).reshape(RINGS_OF_SPHERE, POINTS_AROUND_AXIS)
     after = np.roll(number, -1, axis=1)
     sides = np.stack([number[:-1], number[1:], after[1:], after[:-1]], axis=-1).reshape(-1, 4)
-    north, south = np.full(AROUND, n), np.full(AROUND, n + 1)
+    north, south = np.full(POINTS_AROUND_AXIS, n), np.full(POINTS_AROUND_AXIS, n + 1)
     return [
         sides,
         np.column_stack([north, number[0], after[0]]),

@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 
 from ..files import object_and_path, renamed_when_whole
+from ..files.arrays import Array
 from ..files.hdf5 import opened
 from ..files.outputs import AnyPath, in_words, resolved
 from .chain import Chain
@@ -42,30 +43,30 @@ from .modes import Modes
 from .outline import Outline
 from .pattern import Pattern
 from .recovery import Recovery
-from .rotation import INERTIA, Rotation
+from .rotation import N_INERTIA_CHANGES, Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
 from .superelement import Provenance, Superelement
-from .validation import Array, SuperelementError
+from .validation import SuperelementError
 
-FORMAT = "duhamel-superelement"
-VERSION = 5
-ACCELERANCE = {1: "static/mobility"} | dict.fromkeys(range(2, VERSION + 1), "static/accelerance")
-"""the dataset of the accelerance, by version: version 1 has it under another name"""
-ROTATES = 3
-"""the version from which on a superelement may have a rotation"""
-RELAXES = 4
-"""the version from which on modes may have a chain"""
-HAS_CHANNELS = 4
-"""the version from which on it may have load patterns and sensors"""
-HAS_OUTLINE = 5
-"""the version from which on it may have an outline"""
-PLACEMENT = "sha256"
-"""the attribute with the digest of rigid properties and positions of interfaces"""
-LISTED = 10
-"""values that an error lists"""
-FORM = "KM"
-"""two projections of each soft shape, in stiffness and in mass"""
+SUPERELEMENT_FORMAT = "duhamel-superelement"
+SUPERELEMENT_VERSION = 5
+# Version 1 has the accelerance under another name.
+ACCELERANCE_DATASETS = {1: "static/mobility"} | dict.fromkeys(
+    range(2, SUPERELEMENT_VERSION + 1), "static/accelerance"
+)
+# The versions from which on a file may hold a part; in earlier ones such a group is unknown, and
+# passed over.
+FIRST_WITH_ROTATION = 3
+FIRST_WITH_CHAIN = 4
+FIRST_WITH_CHANNELS = 4
+FIRST_WITH_OUTLINE = 5
+# The digest of rigid properties and positions of interfaces, which nothing else in the file can
+# confirm.
+PLACEMENT_ATTRIBUTE = "sha256"
+MAX_LISTED_VALUES = 10
+# Two projections of each soft shape: by stiffness (K) and by mass (M).
+ROTATION_FORM = "KM"
 
 
 @overload
@@ -73,10 +74,34 @@ def write(superelement: Superelement, path: AnyPath, /) -> None: ...
 @overload
 def write(path: AnyPath, superelement: Superelement, /) -> None: ...
 def write(superelement: Any, path: Any, /) -> None:
-    """Write a superelement; `write(path, superelement)` is understood too.
+    """Write a superelement to an HDF5 file; `write(path, superelement)` is accepted too.
 
-    The file appears whole or not at all, and an older one stays until then. Raises
-    `SuperelementError` where the folder is missing or cannot be written to.
+    The file appears whole or not at all, and an older one stays until then.
+
+    Parameters
+    ----------
+    superelement : Superelement
+    path : path
+
+    Raises
+    ------
+    SuperelementError
+        Where the folder is missing or cannot be written to.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> element = beam.superelement(step=1e-4)
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     write(element, Path(folder) / "beam.h5")
+    ...     read(Path(folder) / "beam.h5")
+    <Superelement 'beam': 1.57 kg, at tip, 12 modes>
     """
     superelement, path = object_and_path(superelement, path)
     # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
@@ -92,7 +117,16 @@ def write(superelement: Any, path: Any, /) -> None:
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:
-    """`SuperelementError` for a path at which no file can be written, before it is worked for."""
+    """Raise `SuperelementError` for a path at which no file can be written.
+
+    To be called before long work, whose result would be lost otherwise.
+
+    Examples
+    --------
+    >>> require_writable("missing/beam.h5")
+    Traceback (most recent call last):
+    duhamel.superelement.validation.SuperelementError: missing/beam.h5: no folder missing
+    """
     target = Path(path)
     try:
         if not target.parent.is_dir():
@@ -109,28 +143,50 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement of versions 1 to 5; unknown groups are passed over.
+    """Read and validate a superelement file of versions 1 to 5; unknown groups are ignored.
 
-    recovery: whether to read that too, which for a large body is nearly all of the file and no
-    concern of a simulation.
+    Parameters
+    ----------
+    path : path
+    recovery : bool
+        Whether to read that too. For a large body it is nearly all of the file, and a simulation
+        does not need it.
 
-    Raises `SuperelementError`, which names the file, the dataset or attribute, what was expected
-    and what was found: also where numbers are there, but not those of an elastic body (`checks`).
+    Returns
+    -------
+    Superelement
+
+    Raises
+    ------
+    SuperelementError
+        Names the file, the dataset or attribute, what was expected and what was found; also for
+        numbers that no elastic body can have (`checks`). See `write` for an example.
     """
     with opened(path, SuperelementError) as file:
         return _superelement(file, recovery)
 
 
 def sha256(path: str | os.PathLike[str]) -> str:
-    """The SHA-256 of a file, in hexadecimal."""
+    """The SHA-256 of a file, in hexadecimal, by which results recognize their superelements.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "empty"
+    ...     path.touch()
+    ...     sha256(path)[:16]
+    'e3b0c44298fc1c14'
+    """
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _fill(file: h5py.File, body: Superelement) -> None:
     file.attrs.update(
-        format=FORMAT,
-        version=VERSION,
+        format=SUPERELEMENT_FORMAT,
+        version=SUPERELEMENT_VERSION,
         name=body.name,
         units="SI",
         created_by=f"duhamel {metadata.version('duhamel')}",
@@ -139,7 +195,7 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     put(rigid, "mass", body.mass, "kg")
     put(rigid, "J_rot", body.J_rot, "kg m^2")
     put(rigid, "center", body.center, "m")
-    rigid.attrs[PLACEMENT] = _placement_digest(body)
+    rigid.attrs[PLACEMENT_ATTRIBUTE] = _placement_digest(body)
     _put_interfaces(file.create_group("interfaces"), body)
     _put_kernel(file.create_group("kernel"), body.kernel)
     if body.modes is not None:
@@ -155,7 +211,12 @@ def _fill(file: h5py.File, body: Superelement) -> None:
     if body.channels is not None:
         _put_channels(file.create_group("channels"), body.channels)
     put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
-    put(file, ACCELERANCE[VERSION], body.accelerance, "1/kg, 1/(kg m), 1/(kg m^2)")
+    put(
+        file,
+        ACCELERANCE_DATASETS[SUPERELEMENT_VERSION],
+        body.accelerance,
+        "1/kg, 1/(kg m), 1/(kg m^2)",
+    )
     if body.recovery is not None:
         _put_recovery(file.create_group("recovery"), body.recovery)
     if body.outline is not None:
@@ -167,6 +228,7 @@ def _put_interfaces(parent: h5py.Group, body: Superelement) -> None:
     names = [interface.name for interface in body.interfaces]
     X = np.array([interface.X for interface in body.interfaces]).reshape(-1, 3)
     rotations = np.array([interface.rotations for interface in body.interfaces], dtype=bool)
+    # Redundant, but other programs find the rows of an interface without counting dofs.
     rows = np.array([body.rows(name).start for name in names], dtype=np.int64)
     parent.create_dataset("name", data=names, dtype=h5py.string_dtype())
     put(parent, "X", X, "m")
@@ -185,7 +247,7 @@ def _put_kernel(parent: h5py.Group, kernel: Kernel) -> None:
 def _put_rotation(file: h5py.File, rotation: Rotation) -> None:
     put(file, "modes/phi_inertia", rotation.phi_inertia, "sqrt(kg) m")
     parent = file.create_group("rotation")
-    parent.attrs.update(n_low=rotation.n_low, n_soft=rotation.n_soft, form=FORM)
+    parent.attrs.update(n_low=rotation.n_low, n_soft=rotation.n_soft, form=ROTATION_FORM)
     put(parent, "T", rotation.T, "1")
     put(parent, "A_interface", rotation.A_interface, "1/(kg m), 1/(kg m^2)")
     put(parent, "A_inertia", rotation.A_inertia, "1")
@@ -273,8 +335,8 @@ def _put_provenance(parent: h5py.Group, source: Provenance) -> None:
 
 
 def _superelement(file: h5py.File, recovery: bool) -> Superelement:
-    expect(file, "format", FORMAT)
-    version = expect(file, "version", *ACCELERANCE)
+    expect(file, "format", SUPERELEMENT_FORMAT)
+    version = expect(file, "version", *ACCELERANCE_DATASETS)
     expect(file, "units", "SI")
     interfaces = _interfaces(file)
     n_c = sum(interface.n_dofs for interface in interfaces)
@@ -288,15 +350,16 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         kernel=kernel,
         modes=_modes(file, n_c, version),
         compliance=numbers(file, "static/compliance", n_c, n_c),
-        accelerance=numbers(file, ACCELERANCE[version], n_c, n_c),
+        accelerance=numbers(file, ACCELERANCE_DATASETS[version], n_c, n_c),
         recovery=_recovery(file) if recovery else None,
-        rotation=_rotation(file, n_c) if version >= ROTATES else None,
-        channels=_channels(file, n_c, kernel) if version >= HAS_CHANNELS else None,
+        rotation=_rotation(file, n_c) if version >= FIRST_WITH_ROTATION else None,
+        channels=_channels(file, n_c, kernel) if version >= FIRST_WITH_CHANNELS else None,
         provenance=_provenance(file),
-        outline=_outline(file) if version >= HAS_OUTLINE else None,
+        outline=_outline(file) if version >= FIRST_WITH_OUTLINE else None,
     )
     _check_rows(file, body)
     require_sound(body)
+    # Last: a file that is wrong elsewhere has a clearer message by then.
     _check_placement(file, body)
     return body
 
@@ -307,7 +370,8 @@ def _interfaces(file: h5py.File) -> tuple[Interface, ...]:
     n = len(rotations)
     if not np.isin(rotations, (0, 1)).all():
         raise SuperelementError(
-            f"interfaces/rotations: expected true or false, found {rotations[:LISTED].tolist()}"
+            "interfaces/rotations: expected true or false, found "
+            f"{rotations[:MAX_LISTED_VALUES].tolist()}"
         )
     n_c = 3 * n + 3 * int(rotations.sum())
     require_shape(file, "interfaces/name", n)
@@ -335,10 +399,13 @@ def _check_placement(file: h5py.File, body: Superelement) -> None:
     earlier builds, and those of other programs, have no digest.
     """
     parent = group(file, "rigid")
-    if PLACEMENT in parent.attrs and text(parent, PLACEMENT) != _placement_digest(body):
+    if PLACEMENT_ATTRIBUTE in parent.attrs and text(
+        parent, PLACEMENT_ATTRIBUTE
+    ) != _placement_digest(body):
         raise SuperelementError(
             "rigid, interfaces: expected the numbers whose digest is in the file (attribute "
-            f"{PLACEMENT!r} of group 'rigid'), found others: the file is damaged or was edited; "
+            f"{PLACEMENT_ATTRIBUTE!r} of group 'rigid'), found others: the file is damaged or was "
+            "edited; "
             "make it again with `duhamel preprocess`"
         )
 
@@ -381,7 +448,7 @@ def _modes(file: h5py.File, n_c: int, version: int) -> Modes | None:
         zeta=numbers(file, "modes/zeta", len(omega)),
         phi=numbers(file, "modes/phi", n_c, len(omega)),
         h_min=number(attributes, "h_min") if "h_min" in attributes.attrs else 0.0,
-        chain=_chain(file, len(omega)) if version >= RELAXES else None,
+        chain=_chain(file, len(omega)) if version >= FIRST_WITH_CHAIN else None,
     )
 
 
@@ -406,17 +473,19 @@ def _chain(file: h5py.File, m: int) -> Chain | None:
 def _rotation(file: h5py.File, n_c: int) -> Rotation | None:
     if "rotation" not in file:
         if "modes/phi_inertia" in file:
-            raise SuperelementError("group 'rotation' is missing, without which is phi_inertia")
+            raise SuperelementError(
+                "group 'rotation' is missing, although there is modes/phi_inertia"
+            )
         return None
     attributes = group(file, "rotation")
-    expect(attributes, "form", FORM)
+    expect(attributes, "form", ROTATION_FORM)
     T = numbers(file, "rotation/T", "r", "m")
     r, m = T.shape
     rotation = Rotation(
-        phi_inertia=numbers(file, "modes/phi_inertia", INERTIA, m),
+        phi_inertia=numbers(file, "modes/phi_inertia", N_INERTIA_CHANGES, m),
         T=T,
         A_interface=numbers(file, "rotation/A_interface", n_c, r, r),
-        A_inertia=numbers(file, "rotation/A_inertia", INERTIA, r, r),
+        A_inertia=numbers(file, "rotation/A_inertia", N_INERTIA_CHANGES, r, r),
         gyroscopic=numbers(file, "rotation/gyroscopic", 3, r, r),
         kappa=numbers(file, "rotation/kappa", "candidates"),
         n_low=_count(attributes, "n_low"),

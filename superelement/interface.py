@@ -2,16 +2,34 @@
 
 from dataclasses import dataclass
 
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array
+from .validation import SuperelementError, checked
 
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A point of the body that carries loads and joints.
+    """A point of an elastic body that carries loads, joints and contacts.
 
-    X (3,) is its position from the center of mass in body axes [m]. With `rotations` it has six
-    dofs, three displacements [m] and three small rotations [rad], all in body axes; without, the
-    displacements alone.
+    Parameters
+    ----------
+    name : str
+        One line without '/' and '.'.
+    X : (3,) [m]
+        Position from the center of mass, in body axes.
+    rotations : bool
+        With rotations it has six dofs, three displacements [m] and three small rotations [rad], all
+        in body axes; without, the displacements alone.
+
+    Raises
+    ------
+    SuperelementError
+        For a name or a position that is not one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Interface("tip", X=np.array([0.5, 0.0, 0.0])).n_dofs
+    6
     """
 
     name: str
@@ -27,4 +45,5 @@ class Interface:
 
     @property
     def n_dofs(self) -> int:
+        """The number of its degrees of freedom, 6 or 3."""
         return 6 if self.rotations else 3

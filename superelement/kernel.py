@@ -5,27 +5,53 @@ from itertools import repeat
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
 from .response import respond
 from .scheme import GeneralizedAlpha
-from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_positive, check_symmetric, checked
 
-BLOCK = 64
-"""Rows of a matrix product."""
+# BLAS rounds products of few rows differently, see `spread`; so all products have as many.
+PRODUCT_ROWS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """Interface impulse responses without rigid modes, in body axes, for one step and scheme.
+    """Impulse responses of the interfaces without rigid motion, for one step and one scheme.
 
         u_n = g_initial[n] p_0 + sum_{j=1..n} g[n-j] p_j
 
-    g[k] (n_k, n_c, n_c) is the displacement k steps after the step that ends in a unit load; g[0]
-    is the instantaneous compliance. In the numbering of the paper g[k] = h H_{k+2}. g_initial[k]
-    is the displacement k steps after t_0 under a unit load that acts at t_0 alone. Units: m/N,
-    rad/N, m/(N m), rad/(N m). `error` is the relative error of the transfer function from 0 to
-    `band` [Hz], or at all frequencies if None; 0 if exact. Source: docs/theory.md, Impulse
-    responses.
+    All in body axes; units: m/N, rad/N, m/(N m), rad/(N m). In the numbering of the paper
+    g[k] = h H_{k+2}. Source: docs/theory.md, Impulse responses.
+
+    Parameters
+    ----------
+    h : float [s]
+        The time step.
+    scheme : GeneralizedAlpha
+    g : (n_k, n_c, n_c)
+        g[k] is the displacement k steps after the step that ends in a unit load; g[0] is the
+        instantaneous compliance.
+    g_initial : (n_k, n_c, n_c)
+        The displacement k steps after t_0 under a unit load that acts at t_0 alone.
+    error : float
+        Relative error of the transfer function from 0 to `band`; 0 where it is exact.
+    band : float [Hz], optional
+        None for all frequencies.
+
+    Raises
+    ------
+    SuperelementError
+        For arrays of other shapes or without symmetry, and numbers that are not positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel.superelement import GeneralizedAlpha
+    >>> g = np.ones((5, 1, 1))
+    >>> kernel = Kernel(1e-3, GeneralizedAlpha(), g, g_initial=g)
+    >>> kernel.n_c, kernel.steps, kernel.length
+    (1, 4, 0.004)
     """
 
     h: float
@@ -55,6 +81,7 @@ class Kernel:
 
     @property
     def n_c(self) -> int:
+        """The number of interface dofs."""
         return int(self.g.shape[1])
 
     @property
@@ -76,14 +103,43 @@ def sample_kernel(
     error: float = 0.0,
     band: float | None = None,
 ) -> Kernel:
-    """The kernel that generalized-alpha time stepping of the modes produces, exactly.
+    """Sample the impulse responses of modes as generalized-alpha time stepping produces them.
 
         g[k] = phi diag(c_k) phi^T
         c_k: the scalar recursion of each omega, zeta under a unit load at one step
 
-    h [s], `steps` time steps, one or more; the result has steps + 1 lags. `error` and `band` are
-    those of the modes. Raises `SuperelementError` for a step that is not positive or fewer steps
-    than one. Source: docs/theory.md, Impulse responses.
+    Parameters
+    ----------
+    modes : Modes
+    h : float [s]
+        The time step.
+    scheme : GeneralizedAlpha
+    steps : int
+        One or more.
+    error, band
+        Those of the modes, which the kernel states.
+
+    Returns
+    -------
+    Kernel
+        With steps + 1 lags, exact to rounding. Source: docs/theory.md, Impulse responses.
+
+    Raises
+    ------
+    SuperelementError
+        For a step that is not positive, or fewer steps than one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel.superelement import GeneralizedAlpha, Modes
+    >>> modes = Modes(omega=np.array([100.0]), zeta=np.array([0.1]), phi=np.array([[1.0]]))
+    >>> kernel = sample_kernel(modes, 1e-3, GeneralizedAlpha(), steps=2000)
+
+    Its sum is the static compliance, here 1 / omega^2:
+
+    >>> float(kernel.g.sum().round(10))
+    0.0001
     """
     check_positive("kernel: h", h)
     if steps < 1:
@@ -96,6 +152,7 @@ def _scalar_responses(
     modes: Modes, h: float, scheme: GeneralizedAlpha, steps: int
 ) -> tuple[Array, Array]:
     """Responses (steps + 1, m) of each mode to a unit load at the first step, and to one at t_0."""
+    # One step more, whose start is dropped: g[0] is the response at the end of the loaded step.
     impulse = respond(modes, h, scheme, [1.0, *repeat(0.0, steps)])
     initial = respond(modes, h, scheme, repeat(0.0, steps), acceleration=1.0)
     return np.array(list(impulse))[1:], np.array(list(initial))
@@ -105,17 +162,19 @@ def spread(phi: Array, coefficients: Array) -> Array:
     """phi diag(c_k) phi^T (n_k, n_c, n_c) for rows c_k of real coefficients, exactly symmetric.
 
     Matrix products over the pairs i <= j: no array of n_k n_c m numbers for the many modes of a
-    large mesh. BLAS rounds products of few rows otherwise than those of many: all have `BLOCK`
-    rows, so that a matrix does not depend on how many follow it.
+    large mesh. BLAS rounds products of few rows otherwise than those of many: all have
+    `PRODUCT_ROWS` rows, so that a matrix does not depend on how many follow it.
     """
     n_c, n_k = len(phi), len(coefficients)
     i, j = np.triu_indices(n_c)
     pairs = (phi[i] * phi[j]).T
-    block = np.zeros((BLOCK, len(phi.T)))
+    # Rows of zeros fill the last product, see above.
+    block = np.zeros((PRODUCT_ROWS, len(phi.T)))
     g = np.empty((n_k, n_c, n_c))
-    for first in range(0, n_k, BLOCK):
-        rows = coefficients[first : first + BLOCK]
+    for first in range(0, n_k, PRODUCT_ROWS):
+        rows = coefficients[first : first + PRODUCT_ROWS]
         block[: len(rows)] = rows
-        g[first : first + BLOCK, i, j] = (block @ pairs)[: len(rows)]
+        g[first : first + PRODUCT_ROWS, i, j] = (block @ pairs)[: len(rows)]
+    # Mirrored rather than computed twice, so that the symmetry is exact.
     g[:, j, i] = g[:, i, j]
     return g

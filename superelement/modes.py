@@ -4,26 +4,46 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .chain import Chain, Complex
-from .validation import Array, SuperelementError, check_positive, checked
+from ..files.arrays import Array, Complex
+from .chain import Chain
+from .validation import SuperelementError, check_positive, checked
 
-OVERDAMPED = 1e6
-"""Damping ratio above which nothing would move for the time of a run; Rayleigh's damping gives the
-highest modes of fine meshes some hundred.
-"""
+# Above it nothing would move during a run. Rayleigh damping gives the highest modes of fine meshes
+# ratios of some hundred, which must pass.
+MAX_MODAL_DAMPING_RATIO = 1e6
 
-ITERATIONS = 20
+RESONANCE_ITERATIONS = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Mass-normalized elastic modes restricted to the interface dofs.
+    """Mass-normalized elastic modes at the interface dofs.
 
         u = phi eta,     eta_i'' + 2 zeta_i omega_i eta_i' + omega_i^2 eta_i = phi_i . p
 
-    omega (m,) [rad/s], all positive (rigid modes are not among them), zeta (m,) [-], phi (n_c, m)
-    [1/sqrt(kg)]. h_min [s] is the finest step that they are made for, 0 if any: they are right up
-    to 1 / (4 h_min) [Hz].
+    Parameters
+    ----------
+    omega : (m,) [rad/s]
+        Natural frequencies, all positive: rigid modes are not among them.
+    zeta : (m,)
+        Damping ratios.
+    phi : (n_c, m) [1/sqrt(kg)]
+    h_min : float [s]
+        The finest step that they are made for, 0 if any: they are right up to 1 / (4 h_min) [Hz].
+    chain : Chain, optional
+        Material damping; omega is then that of the relaxed body.
+
+    Raises
+    ------
+    SuperelementError
+        For arrays that do not fit each other, and numbers out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> modes = Modes(omega=np.array([10.0, 20.0]), zeta=np.zeros(2), phi=np.array([[1.0, 2.0]]))
+    >>> modes.compliance.round(6).tolist(), modes.accelerance.tolist()
+    ([[0.02]], [[5.0]])
     """
 
     omega: Array
@@ -45,9 +65,10 @@ class Modes:
             check_positive("modes: omega", float(omega.min()))
         if m and zeta.min() < 0.0:
             raise SuperelementError(f"modes: zeta: expected ratios >= 0, found {zeta.min()}")
-        if m and zeta.max() > OVERDAMPED:
+        if m and zeta.max() > MAX_MODAL_DAMPING_RATIO:
             raise SuperelementError(
-                f"modes: zeta: expected ratios up to {OVERDAMPED:g}, found {zeta.max()}"
+                f"modes: zeta: expected ratios up to {MAX_MODAL_DAMPING_RATIO:g}, found "
+                f"{zeta.max()}"
             )
         if not (np.isfinite(self.h_min) and self.h_min >= 0.0):
             raise SuperelementError(f"modes: h_min: expected a step >= 0 s, found {self.h_min}")
@@ -71,7 +92,8 @@ class Modes:
         By iteration, for the stiffness changes far less than the frequency.
         """
         w = self.omega
-        for _ in range(ITERATIONS if self.chain is not None else 0):
+        # A fixed number of steps: each gains digits, for c(w) varies slowly with frequency.
+        for _ in range(RESONANCE_ITERATIONS if self.chain is not None else 0):
             w = self.omega * np.sqrt(self._factor(w).real)
         return w
 

@@ -2,15 +2,33 @@
 
 from dataclasses import dataclass
 
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array
+from .validation import SuperelementError, checked
 
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """A distribution of loads in body axes, which a signal multiplies.
+    """A load that is spread over a body, and that a signal multiplies.
 
-    force (3,) and moment (3,) about the center of mass: the resultants of the pattern at the
-    amplitude 1, in body axes [N, N m]. What deforms the body is among its `Channels`.
+    Parameters
+    ----------
+    name : str
+        One line without '/' and '.'.
+    force : (3,) [N]
+        The resultant at amplitude 1, in body axes. What deforms the body is among its `Channels`.
+    moment : (3,) [N m]
+        The resultant about the center of mass.
+
+    Raises
+    ------
+    SuperelementError
+        For a name or a vector that is not one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Pattern("wind", force=np.array([0.0, 5.0, 0.0]), moment=np.zeros(3)).force.tolist()
+    [0.0, 5.0, 0.0]
     """
 
     name: str

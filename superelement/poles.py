@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .chain import Chain, Complex
+from ..files.arrays import Complex
+from .chain import Chain
 from .modes import Modes
 
 
@@ -16,6 +17,7 @@ def motions(modes: Modes) -> tuple[Complex, Complex]:
     omega, zeta, chain = modes.omega, modes.zeta, modes.chain
     m, n = len(omega), 0 if chain is None else len(chain.tau)
     A = np.zeros((m, n + 2, n + 2))
+    # The state eta, eta' / omega has entries of one size, which keeps eigenvalues accurate.
     A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = omega, -omega, -2.0 * zeta * omega
     if chain is not None:
         A[:, 1, 2:] = -omega[:, None] * chain.amplitudes(m).T

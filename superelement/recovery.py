@@ -5,20 +5,41 @@ from typing import Any
 
 import numpy as np
 
-from .cells import IntArray, checked_cells
-from .validation import Array, SuperelementError, checked
+from ..files.arrays import Array, IntArray
+from .cells import checked_cells
+from .validation import SuperelementError, checked
 
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """Fields of the surface mesh from modal coordinates eta: u = phi eta, sigma = stress eta.
+    """Fields of the surface mesh from modal coordinates: u = phi eta, sigma = stress eta.
 
-    points (p, 3) from the center of mass in body axes [m]; cells (n, k) rows of point indices (-1
-    fills short rows), each of the type of its number of points, in meshio's order: 2 line,
-    3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9; phi (p, 3, m); stress (p, 6, m) in the order
-    xx, yy, zz, yz, xz, xy, or None. phi_rotation (p, 3, m): of nodes of beams, their small
-    rotations theta = phi_rotation eta, or None. nodes (p,): the number that the mesh file gives to
-    the node of each point, or None where it gives none.
+    Parameters
+    ----------
+    points : (p, 3) [m]
+        From the center of mass, in body axes.
+    cells : (n, k) of int
+        Rows of point indices; -1 fills short rows. The type follows from the number of points, in
+        meshio's order: 2 line, 3 triangle, 4 quad, 6 triangle6, 8 quad8, 9 quad9.
+    phi : (p, 3, m) [1/sqrt(kg)]
+    stress : (p, 6, m) [Pa/(m sqrt(kg))], optional
+        In the order xx, yy, zz, yz, xz, xy.
+    phi_rotation : (p, 3, m), optional
+        Small rotations of nodes of beams.
+    nodes : (p,) of int, optional
+        The number that the mesh file gives to the node of each point.
+
+    Raises
+    ------
+    SuperelementError
+        For arrays that do not fit each other.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> line = Recovery(np.zeros((2, 3)), np.array([[0, 1]]), phi=np.ones((2, 3, 1)))
+    >>> line.displacement(np.array([0.5])).tolist()
+    [[0.5, 0.5, 0.5], [0.5, 0.5, 0.5]]
     """
 
     points: Array
@@ -69,10 +90,26 @@ class Recovery:
 
 
 def von_mises(stress: Array) -> Array:
-    """The equivalent stress (...) of stresses (..., 6) in the order xx, yy, zz, yz, xz, xy.
+    """The equivalent stress of von Mises.
 
-    sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (yz^2 + xz^2 + xy^2))
+        sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (yz^2 + xz^2 + xy^2))
+
+    Parameters
+    ----------
+    stress : (..., 6) [Pa]
+        In the order xx, yy, zz, yz, xz, xy.
+
+    Returns
+    -------
+    (...) [Pa]
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> float(von_mises(np.array([100.0, 0.0, 0.0, 0.0, 0.0, 0.0])))
+    100.0
     """
+    # The order yz, xz, xy of the shear stresses does not matter here.
     xx, yy, zz, *shear = np.moveaxis(stress, -1, 0)
     square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * sum(
         s * s for s in shear

@@ -4,34 +4,60 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..files.arrays import Array
 from .modes import Modes
-from .validation import Array, SuperelementError, checked
+from .validation import SuperelementError, checked
 
-INERTIA = 6
-"""changes of the moments of inertia, in the order 11, 22, 33, 23, 13, 12"""
+# Moments of inertia in the order 11, 22, 33, 23, 13, 12.
+N_INERTIA_CHANGES = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Rotation:
-    """Changes of inertia, foreshortening and geometric stiffness, quadratic in r coordinates q.
+    """The second order of elastic motion: changes of inertia, foreshortening, geometric stiffness.
 
         z = [u; d] = [phi; phi_inertia] eta + 1/2 A(q, q),     q = T eta
         J = J_0 + mat(d),     Gamma_i = q . gyroscopic_i q'
 
     u (n_c,): displacements of the interfaces; d (6,): changes of the moments of inertia J_11, J_22,
     J_33, J_23, J_13, J_12; Gamma (3,): angular momentum of the elastic motion. All in body axes.
-
-    phi_inertia (6, m) [sqrt(kg) m]; T (r, m) [1], whose first `n_low` rows belong to the lowest
-    modes; A_interface (n_c, r, r) [1/(kg m), 1/(kg m^2)] and A_inertia (6, r, r) [1], symmetric in
-    q; gyroscopic (3, r, r) [1]. The other rows of T belong to soft shapes: first projections by
-    stiffness, which carry stress, then those by mass, which carry inertia. cubic (k, k, k) and
-    quartic (k, k, k, k), symmetric, both or none: the strain energy beyond 1/2 omega^2 eta^2 in the
-    first k of q,
+    The strain energy beyond 1/2 omega^2 eta^2 in the first k of q is
 
         W = cubic(q, q, q) / 6 + quartic(q, q, q, q) / 8      [J for q in sqrt(kg) m].
 
-    kappa (candidates,): how much loads stiffen the body in a coordinate that was looked at,
-    relative to the largest, most first; empty where it is unknown, so that nothing stiffens.
+    Parameters
+    ----------
+    phi_inertia : (6, m) [sqrt(kg) m]
+    T : (r, m) [1]
+        The first `n_low` rows belong to the lowest modes, the others to soft shapes: first
+        projections by stiffness, which carry stress, then those by mass, which carry inertia.
+    A_interface : (n_c, r, r) [1/(kg m), 1/(kg m^2)]
+        Symmetric in q.
+    A_inertia : (6, r, r) [1]
+        Symmetric in q.
+    gyroscopic : (3, r, r) [1]
+    kappa : (candidates,)
+        How much loads stiffen the body in each coordinate that was considered, relative to the
+        largest, in descending order; empty where this is unknown, so that nothing stiffens.
+    n_low : int
+    cubic : (k, k, k), optional
+        Symmetric; given together with `quartic`.
+    quartic : (k, k, k, k), optional
+
+    Raises
+    ------
+    SuperelementError
+        For arrays that do not fit each other, or without symmetry.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rotation = Rotation(
+    ...     phi_inertia=np.zeros((6, 4)), T=np.eye(4), A_interface=np.zeros((3, 4, 4)),
+    ...     A_inertia=np.zeros((6, 4, 4)), gyroscopic=np.zeros((3, 4, 4)), kappa=np.ones(1), n_low=2
+    ... )
+    >>> rotation.r, rotation.n_soft, rotation.n_stiff, rotation.stiffens
+    (4, 1, 3, True)
     """
 
     phi_inertia: Array
@@ -48,9 +74,9 @@ class Rotation:
         T = checked("rotation: T", self.T, ("r", "m"))
         r, m = T.shape
         shapes = {
-            "phi_inertia": (INERTIA, m),
+            "phi_inertia": (N_INERTIA_CHANGES, m),
             "A_interface": ("n_c", r, r),
-            "A_inertia": (INERTIA, r, r),
+            "A_inertia": (N_INERTIA_CHANGES, r, r),
             "gyroscopic": (3, r, r),
             "kappa": ("candidates",),
         }

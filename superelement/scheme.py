@@ -2,20 +2,39 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from ..files.arrays import Complex
 
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Generalized-alpha in the Arnold-Brüls form, eqs (64)-(65) and (76) of the paper.
+    """The generalized-alpha method of time integration, in the form of Arnold and Brüls.
+
+    Equations (64)-(65) and (76) of the paper.
 
     Equilibrium holds at t_{n+1}; the pseudo-acceleration a is tied to the acceleration by
 
         (1 - alpha_m) a_{n+1} + alpha_m a_n = (1 - alpha_f) v_dot_{n+1} + alpha_f v_dot_n
 
     and displacement and velocity follow from Newmark's formulas in a.
-    `rho_inf` is the spectral radius at infinite frequency: 1 conserves, 0 annihilates.
+
+    Parameters
+    ----------
+    rho_inf : float
+        Spectral radius at infinite frequency: 1 conserves energy, 0 annihilates what the step
+        cannot resolve.
+
+    Raises
+    ------
+    ValueError
+        For `rho_inf` outside [0, 1].
+
+    Examples
+    --------
+    Without dissipation it is the trapezoidal rule:
+
+    >>> scheme = GeneralizedAlpha(rho_inf=1.0)
+    >>> scheme.gamma, scheme.beta
+    (0.5, 0.25)
     """
 
     rho_inf: float = 0.9
@@ -26,18 +45,22 @@ class GeneralizedAlpha:
 
     @property
     def alpha_m(self) -> float:
+        """The share of the previous pseudo-acceleration."""
         return (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
 
     @property
     def alpha_f(self) -> float:
+        """The share of the previous acceleration."""
         return self.rho_inf / (self.rho_inf + 1.0)
 
     @property
     def gamma(self) -> float:
+        """Newmark's gamma, for second order."""
         return 0.5 - self.alpha_m + self.alpha_f
 
     @property
     def beta(self) -> float:
+        """Newmark's beta, for the largest dissipation of high frequencies."""
         return 0.25 * (1.0 - self.alpha_m + self.alpha_f) ** 2
 
     @property
@@ -53,9 +76,7 @@ class GeneralizedAlpha:
         """d v / d q of one step, eq. (76) [1/s]."""
         return self.gamma / (self.beta * h)
 
-    def symbols(
-        self, h: float, delay: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def symbols(self, h: float, delay: Complex) -> tuple[Complex, Complex]:
         """The discrete symbols of s^2 and s: accelerations and velocities per unit displacement.
 
             sigma = 1 / (Q F),   chi = V / Q,   with d = 1/z, the delay by one step:

@@ -9,7 +9,7 @@ from .interface import Interface
 from .kernel import Kernel
 from .modes import Modes
 
-FREQUENCIES = 6
+MAX_SHOWN_FREQUENCIES = 6
 
 
 def rows(
@@ -25,10 +25,10 @@ def rows(
     if modes is None:
         yield "modes", "none: its step is fixed"
     else:
-        first = np.sort(modes.resonances)[:FREQUENCIES] / (2.0 * np.pi)
+        first = np.sort(modes.resonances)[:MAX_SHOWN_FREQUENCIES] / (2.0 * np.pi)
         yield "modes", str(len(modes.omega))
         yield "first frequencies, free", f"{listed(f'{f:.5g}' for f in first)} Hz"
     yield "impulse responses", f"{len(kernel.g)} samples, {kernel.h:.6g} s apart"
-    yield "method", method or "not told"
+    yield "method", method or "not stated"
     band = "all frequencies" if kernel.band is None else f"{kernel.band:.5g} Hz"
-    yield "error", f"{kernel.error:.2g} up to {band}" if kernel.error else "none but rounding"
+    yield "error", f"{kernel.error:.2g} up to {band}" if kernel.error else "rounding only"

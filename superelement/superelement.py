@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..files.arrays import Array
 from ..files.html import listed, table
 from . import summary
 from .channels import Channels
@@ -18,7 +19,7 @@ from .recovery import Recovery
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
-from .validation import Array, SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_positive, check_symmetric, checked
 
 
 class StepWarning(UserWarning):
@@ -27,7 +28,13 @@ class StepWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Provenance:
-    """The origin of a superelement: enough to make it again and to recognize it."""
+    """The origin of a superelement: enough to make it again and to recognize it.
+
+    Examples
+    --------
+    >>> Provenance(mesh="arm.msh", method="krylov", tolerance=1e-6).method
+    'krylov'
+    """
 
     body: str = ""
     """the text of the body file"""
@@ -48,15 +55,56 @@ class Superelement:
     """An elastic body, reduced to its interfaces.
 
     Body axes are the mesh axes with the origin at the center of mass of the finite element mass
-    matrix.
+    matrix. The dofs of the interfaces, in their order, are the rows (and columns) of everything of
+    size n_c.
 
-    mass [kg], J_rot (3, 3) [kg m^2] and center (3,), the center of mass in mesh coordinates [m],
-    from U^T M U; interfaces, whose dofs in their order are the rows (and columns) of everything of
-    size n_c; kernel: the sampled impulse responses; modes: the same body without a step size, or
-    None; compliance (n_c, n_c): P_C P K^+ P^T P_C^T, the inertia-relieved static one [m/N ...];
-    accelerance (n_c, n_c): P_C M^-1 P^T P_C^T, accelerations under unit loads at rest [1/kg ...].
-    channels: load patterns and sensors, None where the body has none. outline: what it looks like,
-    None where that is not known, as of matrices of another program.
+    Parameters
+    ----------
+    name : str
+    mass : float [kg]
+    J_rot : (3, 3) [kg m^2]
+        Inertia about the center of mass; like mass and center from U^T M U with rigid modes U.
+    center : (3,) [m]
+        Center of mass in mesh coordinates.
+    interfaces : tuple of Interface
+    kernel : Kernel
+        The sampled impulse responses.
+    modes : Modes or None
+        The same body without a step size.
+    compliance : (n_c, n_c) [m/N ...]
+        The inertia-relieved static compliance P_C P K^+ P^T P_C^T.
+    accelerance : (n_c, n_c) [1/kg ...]
+        Accelerations under unit loads at rest, P_C M^-1 P^T P_C^T.
+    recovery : Recovery, optional
+        Displacements and stresses of the surface.
+    rotation : Rotation, optional
+        Terms of second order, for fast rotation and large bending.
+    channels : Channels, optional
+        Load patterns and sensors.
+    provenance : Provenance
+        Where it comes from.
+    outline : Outline, optional
+        What it looks like; None where that is not known, as of matrices of another program.
+
+    Raises
+    ------
+    SuperelementError
+        For entries that do not fit each other; the message names the entry.
+
+    Examples
+    --------
+    A body of 2 kg with one interface, which vibrates at 100 Hz along each axis:
+
+    >>> import numpy as np
+    >>> from duhamel.superelement import GeneralizedAlpha, Interface, Modes, sample_kernel
+    >>> modes = Modes(2.0 * np.pi * np.full(3, 100.0), zeta=np.full(3, 0.01), phi=np.eye(3))
+    >>> Superelement(
+    ...     "block", mass=2.0, J_rot=np.eye(3), center=np.zeros(3),
+    ...     interfaces=(Interface("top", np.zeros(3), rotations=False),),
+    ...     kernel=sample_kernel(modes, 1e-4, GeneralizedAlpha(), steps=100), modes=modes,
+    ...     compliance=modes.compliance, accelerance=modes.accelerance,
+    ... )
+    <Superelement 'block': 2 kg, at top, 3 modes>
     """
 
     name: str
@@ -219,6 +267,7 @@ class Superelement:
         return self.channels.accelerance
 
     def interface(self, name: str) -> Interface:
+        """The interface of a name; `SuperelementError` lists the names where there is none."""
         return self.interfaces[self._index(name)]
 
     def rows(self, name: str) -> slice:
@@ -237,7 +286,10 @@ class Superelement:
         return self._fitting(self.kernel, h, scheme, steps)
 
     def complete_kernel_for(self, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
-        """The same of interfaces and channels together."""
+        """The kernel of interfaces and channels together for any step and scheme.
+
+        As `kernel_for`, over at least `steps` steps.
+        """
         channels = self.channels
         if channels is None:
             return self.kernel_for(h, scheme, steps)
@@ -247,6 +299,7 @@ class Superelement:
         return self._fitting(self.complete_kernel, h, scheme, steps)
 
     def _fitting(self, stored: Kernel, h: float, scheme: GeneralizedAlpha, steps: int) -> Kernel:
+        # Steps come from text files and divisions; a last digit must not cost a new kernel.
         same = np.isclose(stored.h, h, rtol=1e-12, atol=0.0) and stored.scheme == scheme
         if same and stored.steps >= steps:
             return stored
@@ -267,6 +320,7 @@ class Superelement:
         modes = self.modes
         if modes is None:
             raise SuperelementError(f"{self.name}: no modes")
+        # Not for a last digit that differs by rounding.
         if h < modes.h_min * (1.0 - 1e-9):
             warnings.warn(
                 f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "

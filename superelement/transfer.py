@@ -1,13 +1,11 @@
 """Transfer functions: z-transforms of kernels, in closed form from modes, and summed over lags."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..files.arrays import Complex as Complex
 from .kernel import Kernel, spread
 from .modes import Modes
 from .scheme import GeneralizedAlpha
-
-Complex = NDArray[np.complex128]
 
 
 def transfer(modes: Modes, h: float, scheme: GeneralizedAlpha, delay: Complex) -> Complex:
@@ -43,9 +41,9 @@ def laplace_stiffness(modes: Modes, s: Complex) -> Complex:
 
 
 def summed(kernel: Kernel, delay: Complex) -> Complex:
-    """The same from the lags that a kernel has, sum_k g[k] d^k, which ends with them.
+    """The transfer function (n, n_c, n_c) of the lags that a kernel has, sum_k g[k] d^k.
 
-    delay (n,): |d|^steps must be rounding.
+    The sum ends with the last lag, so |d|^steps must be rounding. delay (n,): d.
     """
     powers = delay[:, None] ** np.arange(len(kernel.g))
     G: Complex = np.tensordot(powers, kernel.g, 1)

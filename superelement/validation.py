@@ -4,18 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..files.arrays import Array as Array
 
+# Relative to the scale of the diagonal; iterative solvers leave more than rounding.
 SYMMETRY_TOLERANCE = 1e-8
-"""Largest asymmetry of a reciprocal matrix, relative to the scale of its diagonal."""
 
 
-LARGEST = 1e100
-"""Magnitude beyond which no quantity of a body lies, and whose square is still a number; masses,
-inertias, steps and frequencies are no less than its inverse.
-"""
+# No quantity of a body is larger, and the square of this is still a finite number. Masses,
+# inertias, steps and frequencies are at least its inverse.
+MAX_MAGNITUDE = 1e100
 
 
 class SuperelementError(ValueError):
@@ -45,8 +43,10 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
 
 
 def _within_bounds(array: Array) -> bool:
-    """Whether all magnitudes are numbers up to LARGEST; no array is made for it."""
-    return bool(array.min(initial=0.0) >= -LARGEST and array.max(initial=0.0) <= LARGEST)
+    """Whether all magnitudes are numbers up to `MAX_MAGNITUDE`; no array is made for it."""
+    return bool(
+        array.min(initial=0.0) >= -MAX_MAGNITUDE and array.max(initial=0.0) <= MAX_MAGNITUDE
+    )
 
 
 def _require_bounds(name: str, array: Array) -> None:
@@ -55,9 +55,9 @@ def _require_bounds(name: str, array: Array) -> None:
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         position = f" at index {where}" if where else ""
         raise SuperelementError(f"{name}: expected finite numbers, found {array[where]}{position}")
-    if (too_large := np.abs(array) > LARGEST).any():
+    if (too_large := np.abs(array) > MAX_MAGNITUDE).any():
         raise SuperelementError(
-            f"{name}: expected magnitudes up to {LARGEST:g}, found {array[too_large][0]}"
+            f"{name}: expected magnitudes up to {MAX_MAGNITUDE:g}, found {array[too_large][0]}"
         )
 
 
@@ -73,9 +73,10 @@ def check_shape(name: str, found: Sequence[int], shape: Sequence[int | str]) -> 
 def check_positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise SuperelementError(f"{name}: expected a positive number, found {value}")
-    if not 1.0 / LARGEST <= value <= LARGEST:
+    if not 1.0 / MAX_MAGNITUDE <= value <= MAX_MAGNITUDE:
         raise SuperelementError(
-            f"{name}: expected a number from {1.0 / LARGEST:g} to {LARGEST:g}, found {value}"
+            f"{name}: expected a number from {1.0 / MAX_MAGNITUDE:g} to {MAX_MAGNITUDE:g}, found "
+            f"{value}"
         )
 
 

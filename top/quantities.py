@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection
 
 from duhamel.results import QuantityError
-from duhamel.results.quantities import KINDS
+from duhamel.results.quantities import KINDS_BY_NAME
 
 COORDINATE_KIND = "coordinate"
 """the kind of quantity that the coordinates of joints are"""
@@ -20,7 +20,7 @@ def quantity_of(text: str, owners: Collection[str], coordinates: Coordinates) ->
     if ":" in text:
         return text
     words = text.split(".")
-    if words[0] in KINDS:
+    if words[0] in KINDS_BY_NAME:
         return ":".join(words)
     for n in range(len(words) - 1, 0, -1):
         owner = ".".join(words[:n])

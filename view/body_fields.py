@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..results import QuantityError, Results
 from ..results.transforms import Window
-from ..results.wildcards import STAR, matching
+from ..results.wildcards import WILDCARD_STAR, matching
 from .field_kinds import FIELDS, WORST, scale_of
 from .fields import Field, draw_fields
 from .picture import add_room, entitle
@@ -90,7 +90,7 @@ def _bodies(results: Results, field: str, kind: str, pattern: str) -> list[str]:
         body for body in results.bodies if kind == "velocity" or body in results.superelement_files
     ]
     found = [body for body in known if body == pattern]
-    if STAR in pattern:
+    if WILDCARD_STAR in pattern:
         found = found or matching(known, pattern)
     if not found:
         what = "body" if kind == "velocity" else "flexible body"

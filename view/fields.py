@@ -8,7 +8,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from ..superelement.cells import TRIANGLES, IntArray, triangles
+from ..superelement.cells import TRIANGLES_OF_FACET, IntArray, triangles
 from ..superelement.validation import Array
 from .field_kinds import COLOR_MAP
 from .picture import add_room, style
@@ -78,5 +78,5 @@ def _triangles(field: Field) -> tuple[Array, Array]:
     corners = np.concatenate([field.points, field.values[:, None]], axis=1)
     both = corners[triangles(field.cells)]
     both = np.concatenate([both, 0.5 * (both + np.roll(both, -1, axis=1))], axis=1)
-    both = both[:, list(TRIANGLES[6])].reshape(-1, 3, 4)
+    both = both[:, list(TRIANGLES_OF_FACET[6])].reshape(-1, 3, 4)
     return both[:, :, :3], both[:, :, 3].mean(axis=1)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ..results import Results
-from ..results.quantities import ENERGIES, KINDS, words
+from ..results.quantities import ENERGY_LABELS, KINDS_BY_NAME, words
 from ..results.transforms import Series
 
 PLACES = {"position", "displacement", "elastic displacement"}
@@ -44,7 +44,7 @@ def owner(results: Results, found: Series) -> str:
     """ "hub", "beam tip seen from hub rim"."""
     if found.kind == "coordinate":
         return found.names[0]
-    roles = KINDS[found.kind].names
+    roles = KINDS_BY_NAME[found.kind].names
     names = [
         name.replace(".", " ", 1)
         if name not in results.bodies and set(role.split("|")) & set(OF_A_BODY)
@@ -95,7 +95,7 @@ def _joined(row: Sequence[str], chosen: Sequence[bool], along: str) -> str:
     words = [word if is_chosen else "" for word, is_chosen in zip(row, chosen, strict=True)]
     run, kind, owner, axis, *treatment = words
     if kind == "energy" and owner:
-        kind, owner = ENERGIES.get(owner, f"{owner} energy"), ""
+        kind, owner = ENERGY_LABELS.get(owner, f"{owner} energy"), ""
     elif row[_KIND] == "energy":
         owner = owner.replace("_", " ")
     phrase = " ".join(word for word in (kind, along if kind and axis else "", axis) if word)

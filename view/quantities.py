@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..results import QuantityError, Results
-from ..results.quantities import KINDS
+from ..results.quantities import KINDS_BY_NAME
 from ..results.transforms import IN_G, TIME, Series, Window, in_g, series
 from ..superelement.validation import Array
 from . import naming
@@ -74,7 +74,7 @@ def curves(
             found.base,
             found.ordinate,
             found.paper,
-            KINDS[found.kind].preposition,
+            KINDS_BY_NAME[found.kind].preposition,
             band=found.band,
         )
         for axis in (_moving_axes(axes, columns) if found.axes else axes)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..results import QuantityError, Results, SeriesError
 from ..results.transforms import Window, split
-from ..results.wildcards import STAR, named, of_all
+from ..results.wildcards import WILDCARD_STAR, named, of_all
 from .errors import PictureError, PictureWarning
 from .quantities import AGAINST, Curve, curves
 
@@ -92,7 +92,7 @@ def panel(
     found: list[Curve] = []
     for quantity in split(text):
         every = list(_of_all(runs, quantity, gravities, window))
-        found += _largest(every, quantity) if STAR in quantity else every
+        found += _largest(every, quantity) if WILDCARD_STAR in quantity else every
     return found
 
 

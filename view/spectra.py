@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ..results.series.bands import RATIO
-from ..results.transforms import GRAVITY
+from ..results.series.bands import OCTAVE_RATIO
+from ..results.transforms import STANDARD_GRAVITY
 from ..superelement.validation import Array
 from .quantities import Curve
 from .styles import styles
@@ -89,7 +89,7 @@ def _draw_bands(axes: Axes, curve: Curve, look: dict[str, Any]) -> None:
 
 
 def _ratio(centers: Array) -> float:
-    return float(centers[1] / centers[0]) if len(centers) > 1 else RATIO
+    return float(centers[1] / centers[0]) if len(centers) > 1 else OCTAVE_RATIO
 
 
 def _span(peaks: Array) -> tuple[float, float]:
@@ -113,7 +113,7 @@ def _rule(axes: Axes, curves: Sequence[Curve], low: float, high: float) -> None:
     axes.set_ylim(low, high)
     turns = curves[0].unit.startswith("rad")
     across = np.array([left, right])
-    force, unit = (1.0, "rad/s²") if turns else (GRAVITY, "g")
+    force, unit = (1.0, "rad/s²") if turns else (STANDARD_GRAVITY, "g")
     for a in _decades(2.0 * math.pi * left * low / force, 2.0 * math.pi * right * high / force):
         axes.plot(across, a * force / (2.0 * math.pi * across), **RULED)
         f = min(right / 1.35, a * force / (2.0 * math.pi * 1.12 * low))

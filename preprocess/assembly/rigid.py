@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from ...superelement.checks import ROUNDING
+from ...superelement.checks import MAX_RELATIVE_DEVIATION
 from ...superelement.validation import Array
 from ..errors import MeshError
 from ..mesh.nodes import Nodes
@@ -62,7 +62,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ONE_PROCESS) -> Rig
             "expected a positive mass and inertia, "
             f"found {mass} kg and principal inertias {principal}"
         )
-    if principal[2] > (1.0 + ROUNDING) * (principal[0] + principal[1]):
+    if principal[2] > (1.0 + MAX_RELATIVE_DEVIATION) * (principal[0] + principal[1]):
         raise MeshError(
             "expected principal inertias of which two are no less than the third, found "
             f"{', '.join(f'{value:.4g}' for value in principal)} kg m^2: no rigid body has such "

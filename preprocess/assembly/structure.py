@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement import Interface
-from ...superelement.validation import LARGEST, Array
+from ...superelement.validation import MAX_MAGNITUDE, Array
 from ..body.body import Body
 from ..errors import InterfaceError, MeshError
 from ..mesh.nodes import Nodes
@@ -208,9 +208,10 @@ def largest_entry(data: Array) -> float:
 
 def check_size(name: str, what: str, largest: float) -> None:
     """`MeshError` for a stiffness or mass whose largest entry has no bounds."""
-    if not largest <= LARGEST:
+    if not largest <= MAX_MAGNITUDE:
         raise MeshError(
-            f"{name}: expected a {what} up to {LARGEST:g}, found {largest}: look at the scale "
+            f"{name}: expected a {what} up to {MAX_MAGNITUDE:g}, found {largest}: look at the "
+            "scale "
             "of the mesh, its sections or materials, and masses"
         )
 

@@ -31,7 +31,7 @@ from ...inputs import (
     quoted,
     read_table,
 )
-from ...inputs.names import LONGEST
+from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
 from ..errors import BodyError
 from ..mesh.mesh import Mesh
@@ -304,8 +304,10 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
-        if not (0 < len(self.name) <= LONGEST and self.name.isprintable()):
-            raise ValueError(f"name: expected 1 to {LONGEST} characters, found {quoted(self.name)}")
+        if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
+            raise ValueError(
+                f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
+            )
         for table in ("interfaces", "masses", "loads", "sensors"):
             for name in getattr(self, table):
                 if not is_name(name):

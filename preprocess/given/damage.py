@@ -20,7 +20,7 @@ from ..mesh.mesh import IntArray
 
 # Exceptions of numpy, scipy and zipfile.
 MATRIX_DAMAGE = (
-    *hdf5.DAMAGE,
+    *hdf5.DAMAGE_ERRORS,
     MemoryError,
     AttributeError,
     EOFError,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...files import FileError, in_one_line, require_regular
-from ...files.hdf5 import DAMAGE
+from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
 from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
@@ -142,7 +142,7 @@ def _about(path: Path) -> Iterator[None]:
     except (MeshError, FileError) as error:
         text = str(error)
         raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except (*DAMAGE, MemoryError) as error:
+    except (*DAMAGE_ERRORS, MemoryError) as error:
         why = in_one_line(error)
         raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
 

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement import Modes, Rotation
-from ...superelement.rotation import INERTIA
+from ...superelement.rotation import N_INERTIA_CHANGES
 from ...superelement.validation import Array
 from ..assembly.rigid import relieve
 from ..assembly.second_order import SecondOrder
@@ -89,7 +89,7 @@ def _foreshortening(
     not K^+: stress that the shapes carry themselves counts once.
     """
     own = second.interfaces(Psi)
-    A = np.concatenate([own, np.zeros((INERTIA, *own.shape[1:]))])
+    A = np.concatenate([own, np.zeros((N_INERTIA_CHANGES, *own.shape[1:]))])
     if fields is not None:
         u = fields.u - Psi @ ((Psi.T @ fields.f) / squares[:, None])
         A -= second.third(u, Psi)

@@ -10,10 +10,10 @@ from pathlib import Path
 from ...files.outputs import in_words, remove_orphans, resolved, temporary_prefix
 from ..errors import ExportError
 
-UNFINISHED = "export"
-"""the name that hidden folders of files stand for until they appear"""
-LONGEST = 100
-"""characters of the name of a file"""
+# Hidden folders of an unfinished export are named after it.
+UNFINISHED_NAME = "export"
+# Characters. File systems end names at 255 bytes, and a character may take several.
+MAX_FILE_NAME = 100
 
 
 class Export:
@@ -51,15 +51,19 @@ def exported(folder: str | os.PathLike[str]) -> Iterator[Export]:
     is removed too. `ExportError` where it cannot be made.
     """
     place = Path(folder)
-    made, unfinished = _make(place), place / UNFINISHED
+    made, unfinished = _make(place), place / UNFINISHED_NAME
     try:
         with _failures_named(place):
+            # Folders of exports that were killed, on this machine.
             remove_orphans(unfinished)
             prefix = temporary_prefix(unfinished)
+            # Within the folder itself: only on the same disk are files moved without copying.
             with tempfile.TemporaryDirectory(prefix=prefix, dir=place) as temporary:
                 export = Export(place, Path(temporary))
                 yield export
+                # Only here, when all files are whole.
                 export.appear()
+    # Also for Ctrl-C.
     except BaseException:
         for path in made:
             shutil.rmtree(path, ignore_errors=True)
@@ -86,7 +90,7 @@ def _failures_named(path: Path) -> Iterator[None]:
         raise ExportError(f"{path}: cannot be written: {in_words(error)}") from error
 
 
-def distinct(names: Iterable[str], longest: int = LONGEST) -> list[str]:
+def distinct(names: Iterable[str], longest: int = MAX_FILE_NAME) -> list[str]:
     """The names, cut to a length, with numbers behind those that others have already.
 
     Small and capital letters count as the same, as they do in the names of files of some systems.

@@ -20,8 +20,8 @@ from typing import Literal
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...superelement import Superelement
-from ...superelement.validation import Array
 from ..errors import ExportError
 from ..results import Results
 from ..rotations import inverse, rotate
@@ -31,14 +31,14 @@ from .folder import distinct, exported
 At = float | Literal["worst"]
 Program = Literal["abaqus", "nastran"]
 
+# Far above the nodes of meshes, and below 100 000 000, where Nastran's numbers end.
 FIRST_NODE = 90_000_001
-"""the number of the first node that a deck adds; Nastran's end at 100 000 000"""
+# Nastran's LOAD card with this number combines the loads that follow it.
 FIRST_SET = 9000
-"""the number of the load of Nastran that combines the others"""
+# The decks expect an element set of Abaqus with all elements of the body.
 ALL_ELEMENTS = "EALL"
-"""the element set of Abaqus with all elements of the body"""
-WIDTH = 16
-"""characters of a number in a large field of Nastran"""
+# Characters of a number in Nastran's large field format.
+NASTRAN_FIELD_WIDTH = 16
 FULL_TURN = 2.0 * np.pi
 
 
@@ -72,11 +72,26 @@ class LoadSet:
 
 
 def load_set(results: Results, body: str, at: At) -> LoadSet:
-    """The loads on a flexible body at the recorded step nearest to a time, or at the worst one.
+    """Collect the loads on a flexible body at one recorded step.
 
-    The worst is that of the largest |F| + |M| / size of an interface. `ExportError` where the run
-    did not record the body and all of its interfaces; `RecoveryError` where the superelement is
-    not there.
+    Parameters
+    ----------
+    results : Results
+    body : str
+    at : float [s] or "worst"
+        The recorded step nearest to a time, or that of the largest |F| + |M| / size at an
+        interface.
+
+    Returns
+    -------
+    LoadSet
+
+    Raises
+    ------
+    ExportError
+        Where the run did not record the body and all of its interfaces.
+    RecoveryError
+        Where the superelement is not there. See `write_loads` for an example.
     """
     element = results.superelement(body)
     wrenches = _wrenches(results, body, element)
@@ -120,14 +135,52 @@ def write_loads(
     bodies: Sequence[str] = (),
     at: At = "worst",
 ) -> tuple[Path, ...]:
-    """Write the loads on flexible bodies, by default all, at an instant, and give the paths.
+    """Write the loads on flexible bodies at an instant as decks for Abaqus or Nastran.
 
-    abaqus: NAME-BODY-nodes.inp, for the model, and NAME-BODY-loads.inp, for a step; nastran:
-    NAME-BODY.bdf. See `load_set`.
+    Abaqus: NAME-BODY-nodes.inp, for the model, and NAME-BODY-loads.inp, for a step; Nastran:
+    NAME-BODY.bdf.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    name : str
+    program : {"abaqus", "nastran"}
+    bodies : sequence of str
+        By default all flexible bodies.
+    at : float [s] or "worst"
+        See `load_set`.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where there is no flexible body, or a file cannot be written; else as `load_set`.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("root", (0.0, 0.0, 0.0))
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
+    >>> arm = m.add(beam.superelement(step=1e-4), name="arm")
+    >>> fixed = m.add(du.joints.Fixed(m.ground, arm["root"]))
+    >>> results = m.simulate(0.01, step=1e-4).results
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_loads(results, folder, "run", "nastran")]
+    ['run-arm.bdf']
     """
     chosen = tuple(bodies) or tuple(results.superelement_files)
     if not chosen:
-        raise ExportError("the run has no flexible body, whose loads could be those of a mesh")
+        raise ExportError(
+            "the run has no flexible body; loads are written for flexible bodies only"
+        )
     sets = [load_set(results, body, at) for body in chosen]
     with exported(folder) as export:
         for stem, loads in zip(distinct(f"{name}-{body}" for body in chosen), sets, strict=True):
@@ -143,8 +196,8 @@ def _wrenches(results: Results, body: str, element: Superelement) -> dict[str, W
     missing = [name for name in names if f"{body}.{name}" not in results.frames]
     if body not in results.bodies or missing:
         raise ExportError(
-            f"body {body!r}: its loads need the body and all of its interfaces in the results: "
-            f"not recorded are {', '.join(missing) or 'its position and rotation'}"
+            f"body {body!r}: expected the body and all of its interfaces in the results, but the "
+            f"run did not record {', '.join(missing) or 'its position and rotation'}"
         )
     back = inverse(results.body(body).R)
     found = {}
@@ -291,17 +344,17 @@ def _card(name: str, *fields: str | float) -> list[str]:
 def _field(value: str | float) -> str:
     """A number in 16 characters, with as many digits as fit."""
     if isinstance(value, str | int):
-        return f"{value:>{WIDTH}}"
+        return f"{value:>{NASTRAN_FIELD_WIDTH}}"
     for digits in range(12, 6, -1):
         text = f"{value:.{digits}E}"
-        if len(text) <= WIDTH:
-            return f"{text:>{WIDTH}}"
-    return f"{value:{WIDTH}.6E}"
+        if len(text) <= NASTRAN_FIELD_WIDTH:
+            return f"{text:>{NASTRAN_FIELD_WIDTH}}"
+    return f"{value:{NASTRAN_FIELD_WIDTH}.6E}"
 
 
 Lines = Callable[[LoadSet], Iterator[str]]
+# The files of each program by the ends of their names.
 DECKS: dict[Program, dict[str, Lines]] = {
     "abaqus": {"-nodes.inp": _abaqus_nodes, "-loads.inp": _abaqus_loads},
     "nastran": {".bdf": _nastran},
 }
-"""the files of a program by the ends of their names"""

@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...files.memory import gigabytes, shortage
-from ...superelement.validation import Array
 from ..contents import attributes_of
 from ..errors import ExportError
-from ..motion import EVENTS, OWNERS
+from ..motion import EVENT_QUANTITIES, OWNERS_OF_GROUP
 from ..quantity import Quantity
 from ..results import Results
 from .folder import distinct, exported
 
-MOST = (1 << 31) - 1
-"""bytes of a variable in a file of version 5"""
-LONGEST = 63
-"""characters of a name in MATLAB"""
-KEYWORDS = frozenset(
+# Files of version 5 count the bytes of a variable in a signed integer of 32 bits.
+MAX_VARIABLE_BYTES = (1 << 31) - 1
+# MATLAB's namelengthmax.
+MAX_MATLAB_NAME = 63
+MATLAB_KEYWORDS = frozenset(
     [
         "break",
         "case",
@@ -49,13 +49,40 @@ Struct = dict[str, Any]
 
 
 def write_mat(results: Results, path: str | os.PathLike[str], rows: slice = slice(None)) -> Path:
-    """Write all that was recorded as a MATLAB file, and give its path.
+    """Write all that was recorded as a MATLAB file of version 5.
 
-    `time` (n, 1) [s], and structures: bodies.hub.v, frames.beam_tip.u, joints.pivot.angle,
+    It has `time` (n, 1) [s], and structures: bodies.hub.v, frames.beam_tip.u, joints.pivot.angle,
     energy.kinetic, events.stop.peak, ... with the attributes of `Results.body` and its neighbors;
     in each the owner's own `name`, and `units` by attribute. `run` has the notes of the run,
-    `model` the text of the model file. rows: of the recorded steps. `ExportError` where a group has
-    more than 2 GB.
+    `model` the text of the model file.
+
+    Parameters
+    ----------
+    results : Results
+    path : path
+    rows : slice
+        Of the recorded steps.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ExportError
+        Where a group has more than 2 GB, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> from scipy.io import loadmat
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     loadmat(write_mat(results, f"{folder}/run.mat"))["time"].ravel().tolist()
+    [0.0, 0.5, 1.0]
     """
     from scipy.io import savemat
 
@@ -86,10 +113,10 @@ def identifiers(names: Iterable[str]) -> list[str]:
     words = [re.sub(r"\W", "_", name, flags=re.ASCII) for name in names]
     return distinct(
         [
-            f"x{word}" if not re.match("[A-Za-z]", word) or word in KEYWORDS else word
+            f"x{word}" if not re.match("[A-Za-z]", word) or word in MATLAB_KEYWORDS else word
             for word in words
         ],
-        LONGEST,
+        MAX_MATLAB_NAME,
     )
 
 
@@ -100,22 +127,22 @@ def _require_room(results: Results, target: Path, rows: slice) -> None:
         size = 8 * n * int(np.prod(quantity.shape(axes)))
         sizes[quantity.group] = sizes.get(quantity.group, 0) + size
     largest = max(sizes, key=lambda group: sizes[group])
-    if sizes[largest] > MOST:
+    if sizes[largest] > MAX_VARIABLE_BYTES:
         raise ExportError(
             f"{target}: {largest} would take {gigabytes(sizes[largest])}, and a MATLAB file of "
-            f"version 5 holds 2 GB a variable: expected fewer steps; ncread of MATLAB reads the "
-            f"results file itself"
+            f"version 5 holds 2 GB a variable: export fewer steps, or read the results file itself "
+            f"with MATLAB's ncread"
         )
     # once as arrays, once as the bytes of the largest group
     if lacking := shortage(sum(sizes.values()) + sizes[largest]):
-        raise ExportError(f"{target}: {lacking}: expected fewer steps")
+        raise ExportError(f"{target}: {lacking}: export fewer steps")
 
 
 def _owned(results: Results, rows: slice) -> Struct:
     """A structure for each group with owners."""
     contents = results.contents
     groups: Struct = {}
-    for group, dimension in OWNERS.items():
+    for group, dimension in OWNERS_OF_GROUP.items():
         if dimension in contents.axes:
             owners = contents.axes[dimension].names
             variables = {
@@ -152,7 +179,9 @@ def _events(results: Results) -> Struct:
     events = results.events
     structs = []
     for owner, of_owner in events.items():
-        arrays = {one.attribute: _column(getattr(of_owner, one.attribute)) for one in EVENTS}
+        arrays = {
+            one.attribute: _column(getattr(of_owner, one.attribute)) for one in EVENT_QUANTITIES
+        }
         units = {name: results.unit("events", owner, name) for name in arrays}
         structs.append(_struct({"name": owner, **arrays}, units))
     return dict(zip(identifiers(events), structs, strict=True))

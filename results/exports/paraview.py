@@ -7,27 +7,26 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...files import write_rows
+from ...files.arrays import Array, Index, IntArray
 from ...files.whole_hdf5 import written_whole
 from ...superelement import von_mises
-from ...superelement.validation import Array
 from ..errors import ExportError, RecoveryError
 from ..recovery import in_space
 from ..results import Results
 from ..steps import batches
 from .folder import exported
-from .vtkhdf import Cells, Grid, IntArray
+from .vtkhdf import Cells, Grid
 
-AT_ONCE = 1 << 20
-"""points of all times that are in memory together"""
-OF_VTK = [0, 1, 2, 5, 3, 4]
-"""stresses xx, yy, zz, yz, xz, xy in the order of VTK: xx, yy, zz, xy, yz, xz"""
-SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
+# Points times steps in memory together, so that long runs of large meshes fit.
+BATCH_POINTS = 1 << 20
+# VTK has xx, yy, zz, xy, yz, xz; stresses here are xx, yy, zz, yz, xz, xy.
+VTK_STRESS_ORDER = [0, 1, 2, 5, 3, 4]
+NUMBERS_OF_SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
 EQUIVALENT, TENSOR = "von_mises", "stress"
-READ = 1 << 22
-"""numbers that are read together, of steps that are far apart"""
+# 32 MiB: up to here rows are read with all those between them, longer ranges are halved.
+SCATTERED_READ_NUMBERS = 1 << 22
 Fields = dict[str, Array]
 
 
@@ -35,19 +34,51 @@ def write_vtk(
     results: Results,
     folder: str | os.PathLike[str],
     name: str,
-    steps: NDArray[np.int64],
+    steps: Index,
     magnification: float = 1.0,
 ) -> tuple[Path, ...]:
-    """Write what moved at some recorded steps (k,) into a folder, and give the paths.
+    """Write the motion at some recorded steps for ParaView.
 
     NAME.vtkhdf has the outlines of all recorded bodies, NAME-points.vtkhdf recorded frames and
     contacts as points, with their forces, and NAME-names.csv the names of bodies and points by
-    their numbers. magnification: of elastic displacements, in positions alone. `ExportError` where
-    the run recorded neither bodies nor frames.
+    their numbers.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    name : str
+    steps : (k,) of int
+        Rows of the recorded steps.
+    magnification : float
+        Of elastic displacements, in positions alone.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where the run recorded neither bodies nor frames, or a file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> import numpy as np
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in write_vtk(results, folder, "run", np.arange(3))]
+    ['run.vtkhdf', 'run-names.csv']
     """
     bodies, points = results.bodies, _points(results)
     if not bodies and not points:
-        raise ExportError("the run recorded no body, frame or contact: nothing moves")
+        raise ExportError(
+            "the run recorded no body, frame or contact, so there is nothing to export"
+        )
     with exported(folder) as export:
         if bodies:
             with export.file(f"{name}.vtkhdf") as path:
@@ -60,21 +91,19 @@ def write_vtk(
     return export.paths
 
 
-def _write_bodies(
-    results: Results, path: Path, steps: NDArray[np.int64], magnification: float
-) -> None:
+def _write_bodies(results: Results, path: Path, steps: Index, magnification: float) -> None:
     """A grid of all bodies; their numbers are a field of the cells."""
     bodies, times = results.bodies, results.time[steps]
     outlines = [results.outline(body) for body in bodies]
     parts = [Cells.of_rows(len(outline.points), outline.cells) for outline in outlines]
     cells = Cells.joined(parts)
     numbers = np.repeat(np.arange(len(bodies)), [len(part) for part in parts])
-    sources = np.array([SOURCES[results.outline_source(body)] for body in bodies])
+    sources = np.array([NUMBERS_OF_SOURCES[results.outline_source(body)] for body in bodies])
     of_cells = {"body": numbers, "deformation": sources[numbers]}
     known = _Stresses(results, parts, times[:1])
     with written_whole(path) as file:
         grid = Grid(file, times, cells, of_cells)
-        for rows in batches(len(steps), AT_ONCE // max(cells.points, 1)):
+        for rows in batches(len(steps), BATCH_POINTS // max(cells.points, 1)):
             t = times[rows]
             motions = _motions(results, steps[rows], t, magnification)
             positions, u, v = (np.concatenate(each, axis=1) for each in zip(*motions, strict=True))
@@ -92,9 +121,7 @@ class _Motion(NamedTuple):
     velocity: Array
 
 
-def _motions(
-    results: Results, steps: NDArray[np.int64], t: Array, magnification: float
-) -> Iterator[_Motion]:
+def _motions(results: Results, steps: Index, t: Array, magnification: float) -> Iterator[_Motion]:
     """Those of each body at some steps (k,), of which all bodies are read together."""
     width = 4 * len(results.bodies)
     names = ("position", "rotation", "velocity", "angular_velocity")
@@ -140,7 +167,7 @@ class _Stresses:
             if results.outline_source(body) == "recovery" and results.outline(body).node is None:
                 stress = results.stress(body, t)
                 if stress.shape[1] == self._points[body]:
-                    return {EQUIVALENT: von_mises(stress), TENSOR: stress[..., OF_VTK]}
+                    return {EQUIVALENT: von_mises(stress), TENSOR: stress[..., VTK_STRESS_ORDER]}
             return {EQUIVALENT: results.outline_field(body, t, EQUIVALENT)}
         except RecoveryError:
             return {}
@@ -150,7 +177,7 @@ def _points(results: Results) -> tuple[str, ...]:
     return (*results.frames, *results.contacts)
 
 
-def _write_points(results: Results, path: Path, steps: NDArray[np.int64]) -> None:
+def _write_points(results: Results, path: Path, steps: Index) -> None:
     """A grid of points: recorded frames, and contacts behind them."""
     names, times = _points(results), results.time[steps]
     cells = Cells.of_points(len(names))
@@ -160,7 +187,7 @@ def _write_points(results: Results, path: Path, steps: NDArray[np.int64]) -> Non
     }
     with written_whole(path) as file:
         grid = Grid(file, times, cells, of_cells)
-        for rows in batches(len(steps), AT_ONCE // max(cells.points, 1)):
+        for rows in batches(len(steps), BATCH_POINTS // max(cells.points, 1)):
             frames, contacts = _frames(results, steps[rows]), _contacts(results, steps[rows])
             grid.put(*_side_by_side([part for part in (frames, contacts) if part]))
 
@@ -177,7 +204,7 @@ def _side_by_side(parts: Sequence[Fields]) -> tuple[Array, Fields]:
     return joined.pop("position"), joined
 
 
-def _recorded(results: Results, group: str, steps: NDArray[np.int64]) -> Fields:
+def _recorded(results: Results, group: str, steps: Index) -> Fields:
     """The fields that records of a group ask for (k, owners, ...), by attribute."""
     contents = results.contents
     return {
@@ -189,7 +216,7 @@ def _recorded(results: Results, group: str, steps: NDArray[np.int64]) -> Fields:
     }
 
 
-def _frames(results: Results, steps: NDArray[np.int64]) -> Fields:
+def _frames(results: Results, steps: Index) -> Fields:
     """Of frames (k, f, 3), in space: velocities, forces and moments on their bodies."""
     if not results.frames:
         return {}
@@ -197,7 +224,7 @@ def _frames(results: Results, steps: NDArray[np.int64]) -> Fields:
     return {"position": position, **_recorded(results, "frames", steps)}
 
 
-def _contacts(results: Results, steps: NDArray[np.int64]) -> Fields:
+def _contacts(results: Results, steps: Index) -> Fields:
     """Of contacts (k, c, 3), in space: the normal force on the second body."""
     if not results.contacts:
         return {}
@@ -209,10 +236,10 @@ def _contacts(results: Results, steps: NDArray[np.int64]) -> Fields:
     return {"position": position, "velocity": nothing, "force": force, "moment": nothing}
 
 
-def _at(results: Results, variable: str, steps: NDArray[np.int64], width: int) -> Array:
+def _at(results: Results, variable: str, steps: Index, width: int) -> Array:
     """A variable (k, ...) of so many numbers a step at some steps, read with those between them."""
     first, last = int(steps[0]), int(steps[-1]) + 1
-    if (last - first) * width <= READ or len(steps) == 1:
+    if (last - first) * width <= SCATTERED_READ_NUMBERS or len(steps) == 1:
         return results.variable(variable, slice(first, last))[steps - first]
     halves = np.array_split(steps, 2)
     return np.concatenate([_at(results, variable, half, width) for half in halves])

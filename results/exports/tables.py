@@ -11,7 +11,7 @@ import numpy as np
 
 from ...files import write_rows
 from ..dimensions import Axes
-from ..motion import EVENTS
+from ..motion import EVENT_QUANTITIES
 from ..quantity import Quantity
 from ..results import Results
 from ..transforms import Series, parse, series
@@ -20,11 +20,11 @@ from .folder import distinct, exported
 
 Rows = Iterable[Sequence[Any]]
 
-AT_ONCE = 1 << 20
-"""numbers that are read at once, about"""
-TIME = "time [s]"
-NO_WORD = re.compile(r"[^\w.,()=+-]+")
-"""what names of files have `_` for"""
+# About 8 MiB, so that memory does not grow with the length of a run.
+BATCH_NUMBERS = 1 << 20
+TIME_HEADING = "time [s]"
+# Replaced by `_` in names of files.
+UNSAFE_IN_FILE_NAME = re.compile(r"[^\w.,()=+-]+")
 
 
 def write_csv(
@@ -33,13 +33,47 @@ def write_csv(
     quantities: Iterable[str] = (),
     rows: slice = slice(None),
 ) -> tuple[Path, ...]:
-    """Write tables of results into a folder, and give their paths.
+    """Write tables of results into a folder.
 
-    Without quantities all that was recorded: a table for each group, bodies.csv, frames.csv, ...,
-    of variables by their names in the results file, as "body_velocity:hub:x [m s-1]", and
-    events.csv. With quantities, as `plot` names them, quantities.csv, where `*` in a name stands
-    for anything; of those over other times or frequencies, as spectra, each a table of its own.
-    rows: of the recorded steps; spectra are those of all.
+    Without quantities there is a table for each group, bodies.csv, frames.csv, ..., of variables
+    by their names in the results file, as "body_velocity:hub:x [m s-1]", and events.csv. With
+    quantities there is quantities.csv; those over other times or frequencies, as spectra, have
+    tables of their own.
+
+    Parameters
+    ----------
+    results : Results
+    folder : path
+    quantities : iterable of str
+        As `duhamel plot` names them; `*` in a name stands for anything.
+    rows : slice
+        Of the recorded steps; spectra are always those of all.
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    ExportError
+        Where a file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import duhamel as du
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.5).results
+    >>> with TemporaryDirectory() as folder:
+    ...     (path,) = write_csv(results, folder, ["position:ball:x"])
+    ...     print(path.name, path.read_text(), sep="\\n")
+    quantities.csv
+    time [s],position:ball:x [m]
+    0.0,0.0
+    0.5,0.0
+    1.0,0.0
+    <BLANKLINE>
     """
     wanted = tuple(quantities)
     with exported(folder) as export:
@@ -63,10 +97,10 @@ def _groups(results: Results, rows: slice) -> Iterator[tuple[str, Rows]]:
 def _recorded(results: Results, quantities: Sequence[Quantity], rows: slice) -> Rows:
     """A header, and the time and all numbers of some variables at each step."""
     axes, time = results.contents.axes, results.time
-    header = [TIME, *(name for quantity in quantities for name in _columns(quantity, axes))]
+    header = [TIME_HEADING, *(name for quantity in quantities for name in _columns(quantity, axes))]
     yield header
     first, last, _ = rows.indices(len(time))
-    step = max(1, AT_ONCE // len(header))
+    step = max(1, BATCH_NUMBERS // len(header))
     for start in range(first, last, step):
         some = slice(start, min(start + step, last))
         columns = [time[some].tolist()]
@@ -87,7 +121,7 @@ def _columns(quantity: Quantity, axes: Axes) -> list[str]:
 
 def _events(results: Results, owners: Sequence[str]) -> Rows:
     """A header, and the numbers of each time that a contact was closed."""
-    names = [quantity.attribute for quantity in EVENTS]
+    names = [quantity.attribute for quantity in EVENT_QUANTITIES]
     units = [
         ", ".join(dict.fromkeys(results.unit("events", owner, name) for owner in owners))
         for name in names
@@ -106,7 +140,7 @@ def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator
     if over_time:
         yield "quantities", _joined(over_time, rows)
     others = [pair for pair in found if not np.array_equal(pair[1].abscissa, time)]
-    files = distinct([NO_WORD.sub("_", text) for text, _ in others])
+    files = distinct([UNSAFE_IN_FILE_NAME.sub("_", text) for text, _ in others])
     for file, pair in zip(files, others, strict=True):
         yield file, _joined([pair], slice(None))
 
@@ -119,7 +153,7 @@ def _alike(results: Results, quantity: str) -> list[tuple[str, Series]]:
 def _joined(found: Sequence[tuple[str, Series]], rows: slice) -> Rows:
     """A header, and series over the same times or frequencies."""
     _, first = found[0]
-    base = TIME if first.base == "s" else "frequency [Hz]"
+    base = TIME_HEADING if first.base == "s" else "frequency [Hz]"
     header, columns = [base], [first.abscissa[rows]]
     for text, of_it in found:
         header += [f"{name} [{of_it.unit}]" for name in _of_axes(text, of_it)]

@@ -9,18 +9,15 @@ from dataclasses import dataclass
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, IntArray
 
-IntArray = NDArray[np.int64]
-
-VERSION = (2, 2)
-CHUNK = 1 << 15
-"""points that HDF5 compresses together"""
-COMPRESSION = 4
-SHAPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
-"""types of cells in VTK by their number of points: vertex, line, triangle, quad, quadratic ones"""
+VTKHDF_VERSION = (2, 2)
+# Points that HDF5 compresses together.
+CHUNK_POINTS = 1 << 15
+GZIP_LEVEL = 4
+# By the number of points: vertex, line, triangle, quad, and the quadratic ones.
+VTK_CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,8 @@ class Cells:
         """Of rows of point numbers (n, k), which -1 fills."""
         given = rows >= 0
         sizes = given.sum(axis=1)
-        types = np.array([SHAPES[size] for size in sizes.tolist()], dtype=np.int64)
+        # Types by size: outlines have no two types of cells with as many points.
+        types = np.array([VTK_CELL_TYPES[size] for size in sizes.tolist()], dtype=np.int64)
         return cls(points, rows[given].astype(np.int64), np.append(0, np.cumsum(sizes)), types)
 
     @classmethod
@@ -76,8 +74,9 @@ class Grid:
         self, file: h5py.File, times: Array, cells: Cells, of_cells: Mapping[str, IntArray]
     ) -> None:
         self._points, self._steps = cells.points, len(times)
+        # VTK shows fields in the order in which they were made.
         self._root = file.create_group("VTKHDF", track_order=True)
-        self._root.attrs["Version"] = np.array(VERSION, dtype=np.int64)
+        self._root.attrs["Version"] = np.array(VTKHDF_VERSION, dtype=np.int64)
         self._root.attrs["Type"] = np.bytes_("UnstructuredGrid")
         self._written: dict[str, int] = {}
         self._offsets = cells.points * np.arange(len(times))
@@ -94,6 +93,7 @@ class Grid:
             self._append(f"PointData/{name}", values, np.float32)
 
     def _append(self, path: str, values: Array, kind: type) -> None:
+        # VTKHDF has the points of all times in one dataset, one time behind the other.
         rows: Array = np.asarray(values, dtype=kind).reshape(-1, *values.shape[2:])
         if path not in self._root:
             self._create(path, rows)
@@ -107,9 +107,9 @@ class Grid:
             path,
             shape=(total, *rows.shape[1:]),
             dtype=rows.dtype,
-            chunks=(max(1, min(total, CHUNK)), *rows.shape[1:]),
+            chunks=(max(1, min(total, CHUNK_POINTS)), *rows.shape[1:]),
             compression="gzip",
-            compression_opts=COMPRESSION,
+            compression_opts=GZIP_LEVEL,
             shuffle=True,
         )
         if path != "Points":
@@ -136,6 +136,7 @@ def _put_steps(group: h5py.Group, times: Array, offsets: IntArray) -> None:
     steps["PartOffsets"] = np.zeros(n, dtype=np.int64)
     steps["NumberOfParts"] = np.ones(n, dtype=np.int64)
     steps["PointOffsets"] = offsets
+    # Zero for all times: they share the cells of the first one.
     steps["CellOffsets"] = np.zeros((n, 1), dtype=np.int64)
     steps["ConnectivityIdOffsets"] = np.zeros((n, 1), dtype=np.int64)
     for data in ("PointData", "CellData"):

@@ -3,21 +3,27 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
-SCALES = ("transient", "amplitude", "rms")
-SEGMENTS = 8
-"""of Welch's method, which overlap by half"""
-WINDOWS = ("rectangular", "hann", "hamming", "blackman", "blackmanharris", "flattop")
+SPECTRUM_SCALES = ("transient", "amplitude", "rms")
+# They overlap by half.
+WELCH_SEGMENTS = 8
+WINDOW_NAMES = ("rectangular", "hann", "hamming", "blackman", "blackmanharris", "flattop")
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Frequencies (m,) from 0 to half the sampling rate [Hz], and values (m,) or (m, k) there."""
+    """Values over frequency, see `fourier` for an example.
+
+    Parameters
+    ----------
+    frequency : (m,) [Hz]
+        From 0 to half the sampling rate.
+    values : (m,) or (m, k)
+    """
 
     frequency: Array
     values: Array
@@ -26,18 +32,44 @@ class Spectrum:
 def fourier(
     time: Array, values: Array, *, scale: str = "transient", window: str = "rectangular"
 ) -> Spectrum:
-    """The magnitude of the Fourier transform of a series.
-
-    scale: `transient`, of something that comes and goes, in the unit of the series times seconds;
+    """Compute the magnitude of the Fourier transform of a series.
 
         |X(f)| = |integral of w(t) x(t) e^(-2 pi i f t) dt|
 
-    `amplitude`, that of a sine at a frequency of the spectrum, or its `rms`, in the unit of the
-    series, whatever the window. window: one of `WINDOWS`; for amplitudes `flattop`, which is right
-    to 0.01 dB between the frequencies of the spectrum too.
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+        One series a column.
+    scale : {"transient", "amplitude", "rms"}
+        |X(f)| of a transient, in the unit of the series times seconds; the amplitude of a sine at
+        a frequency of the spectrum, or its root mean square, in the unit of the series, whatever
+        the window.
+    window : str
+        One of `WINDOW_NAMES`. For amplitudes "flattop" is right to 0.01 dB also between the
+        frequencies of the spectrum.
+
+    Returns
+    -------
+    Spectrum
+
+    Raises
+    ------
+    SeriesError
+        For other scales and windows, and what `sampled` refuses.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.arange(1000) * 1e-3
+    >>> wave = 2.0 * np.sin(2.0 * np.pi * 50.0 * time)
+    >>> spectrum = fourier(time, wave, scale="amplitude")
+    >>> largest = spectrum.values.argmax()
+    >>> round(float(spectrum.frequency[largest]), 6), round(float(spectrum.values[largest]), 6)
+    (50.0, 2.0)
     """
-    if scale not in SCALES:
-        raise SeriesError(f"expected a scale of {', '.join(SCALES)}, found {scale!r}")
+    if scale not in SPECTRUM_SCALES:
+        raise SeriesError(f"expected a scale of {', '.join(SPECTRUM_SCALES)}, found {scale!r}")
     series = sampled(time, values)
     weights = _window(window, len(series.time))
     frequency, X = _transformed(series, weights)
@@ -54,12 +86,40 @@ def fourier(
 def psd(
     time: Array, values: Array, *, resolution: float | None = None, window: str = "hann"
 ) -> Spectrum:
-    """The power spectral density by Welch's method, of frequencies above zero [unit^2 / Hz].
+    """Compute the power spectral density of a series by Welch's method.
 
-    The mean of the periodograms of segments that overlap by half, without their means: its integral
-    over frequency is the variance. resolution: the distance of its frequencies [Hz]; unless given,
-    there are eight segments. Source: Welch, IEEE Transactions on Audio and Electroacoustics 15
-    (1967).
+    It is the mean of the periodograms of segments that overlap by half, each without its mean, for
+    frequencies above zero; its integral over frequency is the variance. Source: Welch, IEEE
+    Transactions on Audio and Electroacoustics 15 (1967).
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+        One series a column.
+    resolution : float [Hz], optional
+        The distance of its frequencies; by default there are eight segments.
+    window : str
+        One of `WINDOW_NAMES`.
+
+    Returns
+    -------
+    Spectrum
+        Values in unit^2 / Hz.
+
+    Raises
+    ------
+    SeriesError
+        For a resolution that the series does not have, and what `sampled` refuses.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.arange(1000) * 1e-3
+    >>> wave = 2.0 * np.sin(2.0 * np.pi * 50.0 * time)
+    >>> density = psd(time, wave, resolution=10.0)
+    >>> round(float(density.values.sum() * 10.0), 3)  # the variance, 2^2 / 2
+    2.0
     """
     from scipy.signal import welch
 
@@ -79,10 +139,21 @@ def psd(
 def cumulative_rms(
     time: Array, values: Array, *, resolution: float | None = None, window: str = "hann"
 ) -> Spectrum:
-    """The root mean square of what a series has below each frequency, without its mean.
+    """Compute the root mean square of what a series has below each frequency, without its mean.
 
-    sqrt(integral of its power spectral density from 0 to f). At the end it is the standard
-    deviation of the series, as far as its segments are like the whole.
+        sqrt(integral of its power spectral density from 0 to f)
+
+    The last value is the standard deviation of the series, as far as its segments are like the
+    whole. Parameters, result and exceptions are those of `psd`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> time = np.arange(1000) * 1e-3
+    >>> wave = 2.0 * np.sin(2.0 * np.pi * 50.0 * time)
+    >>> below = cumulative_rms(time, wave, resolution=10.0)
+    >>> round(float(below.values[-1]), 3)
+    1.414
     """
     density = psd(time, values, resolution=resolution, window=window)
     width = density.frequency[1] - density.frequency[0]
@@ -90,7 +161,25 @@ def cumulative_rms(
 
 
 def rms(time: Array, values: Array) -> Array:
-    """The root mean square over time, mean included, () or (k,); by trapezoids."""
+    """Compute the root mean square of a series over time, mean included, by trapezoids.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    values : (n,) or (n, k)
+        One series a column.
+
+    Returns
+    -------
+    () or (k,)
+        In the unit of the series.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> float(rms(np.array([0.0, 1.0, 3.0]), np.array([2.0, 2.0, -2.0])))
+    2.0
+    """
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if len(time) == 1:
         single: Array = np.abs(values[0])
@@ -110,7 +199,7 @@ def periodogram(series: Sampled) -> Spectrum:
     return Spectrum(frequency, sides * np.abs(X / len(series.time)) ** 2)
 
 
-def _transformed(series: Sampled, weights: Array) -> tuple[Array, NDArray[np.complex128]]:
+def _transformed(series: Sampled, weights: Array) -> tuple[Array, Complex]:
     shaped = weights.reshape(-1, *[1] * (series.values.ndim - 1))
     frequency = np.fft.rfftfreq(len(weights), series.step).astype(np.float64)
     return frequency, np.fft.rfft(shaped * series.values, axis=0)
@@ -120,6 +209,7 @@ def _sides(n: int) -> Array:
     """2 for frequencies that stand for their negative ones too, otherwise 1."""
     sides = np.full(n // 2 + 1, 2.0)
     sides[0] = 1.0
+    # With an even number the last frequency is half the rate, which has no negative partner.
     if n % 2 == 0:
         sides[-1] = 1.0
     return sides
@@ -128,8 +218,8 @@ def _sides(n: int) -> Array:
 def _window(name: str, n: int) -> Array:
     from scipy.signal import get_window
 
-    if name not in WINDOWS:
-        raise SeriesError(f"expected a window of {', '.join(WINDOWS)}, found {name!r}")
+    if name not in WINDOW_NAMES:
+        raise SeriesError(f"expected a window of {', '.join(WINDOW_NAMES)}, found {name!r}")
     weights: Array = get_window("boxcar" if name == "rectangular" else name, n)
     return weights
 
@@ -138,7 +228,8 @@ def _segment(series: Sampled, resolution: float | None) -> int:
     """The samples of a segment."""
     n = len(series.time)
     if resolution is None:
-        return max(3, 2 * n // (SEGMENTS + 1))
+        return max(3, 2 * n // (WELCH_SEGMENTS + 1))
+    # The distance of the frequencies of a segment is one over its length in time.
     length = round(series.rate / resolution) if resolution > 0.0 else 0
     if not 3 <= length <= n:
         raise SeriesError(

@@ -5,38 +5,40 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import SeriesError
 from .sampling import Sampled, sampled
 
-Complex = NDArray[np.complex128]
-
-RESPONSES = ("absolute", "static", "pseudo-velocity", "displacement")
-"""absolute acceleration; static: equivalent static acceleration; relative displacement"""
-EXTREMES = ("maximax", "positive", "negative")
-SPANS = ("overall", "primary", "residual")
-OVERSAMPLING = 10.0
-"""samples in a period that a series must have at the highest frequency: MIL-STD-810"""
-RESOLVED = 64.0
-"""instants in a period at which the response is looked at: extremes are right to 0.12 %"""
-REFERENCE = 1000.0
-"""a frequency of every series of them [Hz]"""
-LOWEST = 5.0
-"""where the frequencies begin unless told otherwise [Hz]"""
-MOST = 10_000
-"""frequencies"""
-SMALL = 0.5
-"""of |p|, below which (e^p - 1 - p) / p^2 is summed as a series"""
+# Absolute acceleration; equivalent static acceleration; pseudo-velocity; relative displacement.
+RESPONSE_KINDS = ("absolute", "static", "pseudo-velocity", "displacement")
+EXTREME_KINDS = ("maximax", "positive", "negative")
+RESPONSE_SPANS = ("overall", "primary", "residual")
+# MIL-STD-810 asks for ten samples in a period of the highest frequency.
+MIN_SAMPLES_PER_PERIOD = 10.0
+# Looking at the response as often finds its extremes to 0.12 %.
+INSTANTS_PER_PERIOD = 64.0
+# [Hz]. All spectra have it, so that those of different runs share their frequencies.
+SPECTRUM_REFERENCE_FREQUENCY = 1000.0
+# [Hz], where the frequencies begin unless the caller says otherwise.
+DEFAULT_MIN_FREQUENCY = 5.0
+MAX_SPECTRUM_FREQUENCIES = 10_000
+# Of |p|: below it (e^p - 1 - p) / p^2 loses digits by cancellation, and is summed as a series.
+MAX_SERIES_ARGUMENT = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class ShockSpectrum:
-    """A shock response spectrum.
+    """A shock response spectrum, see `shock_spectrum` for an example.
 
-    frequency (m,): natural frequencies of the oscillators, undamped [Hz]; values (m,) or (m, k):
-    the largest responses; Q: their quality factor, 1 / (2 zeta); infinite without damping.
+    Parameters
+    ----------
+    frequency : (m,) [Hz]
+        Undamped natural frequencies of the oscillators.
+    values : (m,) or (m, k)
+        The largest responses.
+    Q : float
+        The quality factor of the oscillators, 1 / (2 zeta); infinite without damping.
     """
 
     frequency: Array
@@ -45,21 +47,41 @@ class ShockSpectrum:
 
 
 def octave_frequencies(lowest: float, highest: float, per_octave: int = 12) -> Array:
-    """Frequencies 1000 * 2^(k / per_octave) Hz from the lowest to the highest one (m,) [Hz].
+    """List the frequencies 1000 Hz * 2^(k / per_octave) between two frequencies.
 
     Twelve in an octave, from 5 to 2000 Hz, are those of MIL-STD-810, Method 516.
+
+    Parameters
+    ----------
+    lowest, highest : float [Hz]
+    per_octave : int
+
+    Returns
+    -------
+    (m,) [Hz]
+
+    Raises
+    ------
+    SeriesError
+        Where there is none, or more than 10 000.
+
+    Examples
+    --------
+    >>> octave_frequencies(200.0, 2000.0, per_octave=1).tolist()
+    [250.0, 500.0, 1000.0, 2000.0]
     """
     if not (0.0 < lowest < highest < math.inf):
         raise SeriesError(
             f"expected frequencies 0 < from < to, found from {lowest:.6g} to {highest:.6g} Hz"
         )
-    if per_octave < 1 or per_octave * math.log2(highest / lowest) > MOST:
+    if per_octave < 1 or per_octave * math.log2(highest / lowest) > MAX_SPECTRUM_FREQUENCIES:
         raise SeriesError(
-            f"per_octave: expected 1 or more, and at most {MOST} frequencies, found {per_octave}"
+            f"per_octave: expected 1 or more, and at most {MAX_SPECTRUM_FREQUENCIES} frequencies, "
+            f"found {per_octave}"
         )
-    first = math.ceil(per_octave * math.log2(lowest / REFERENCE) - 1e-9)
-    last = math.floor(per_octave * math.log2(highest / REFERENCE) + 1e-9)
-    found: Array = REFERENCE * 2.0 ** (np.arange(first, last + 1) / per_octave)
+    first = math.ceil(per_octave * math.log2(lowest / SPECTRUM_REFERENCE_FREQUENCY) - 1e-9)
+    last = math.floor(per_octave * math.log2(highest / SPECTRUM_REFERENCE_FREQUENCY) + 1e-9)
+    found: Array = SPECTRUM_REFERENCE_FREQUENCY * 2.0 ** (np.arange(first, last + 1) / per_octave)
     if not len(found):
         raise SeriesError(
             f"from {lowest:.6g} to {highest:.6g} Hz: found no frequency of 1000 Hz * "
@@ -78,23 +100,55 @@ def shock_spectrum(
     extreme: str = "maximax",
     span: str = "overall",
 ) -> ShockSpectrum:
-    """The largest responses of oscillators whose base has an acceleration (n,) or (n, k) [m/s^2].
+    """Compute the shock response spectrum of an acceleration of the base.
 
         z'' + (omega / Q) z' + omega^2 z = -a        z: motion relative to the base
 
-    response: `absolute`, the acceleration of the mass z'' + a [m/s^2]; `static`, omega^2 z, which
-    times the mass is the force in the spring [m/s^2]; `pseudo-velocity`, omega z [m/s];
-    `displacement`, z [m]. All are positive where the spring pushes the mass in the direction of
-    the axis. extreme: the largest one of either sign (`maximax`, without sign), the largest
-    (`positive`) or the smallest (`negative`), zero at the start being counted. span: `primary`,
-    in the time of the series; `residual`, after its end; `overall`, the larger of both.
-
     The oscillators are at rest before the series; it is a line between its samples, and zero after
-    the last. Their motion under it is exact (the ramp invariant filter of Smallwood), and so is
-    what rings on. By default there are twelve frequencies in an octave, from 5 Hz to a tenth of the
-    sampling rate. `SeriesError` for higher ones: there the line between samples misses 3 % of a
-    vibration of this frequency. Source: Smallwood, An improved recursive formula for calculating
-    shock response spectra, Shock and Vibration Bulletin 51 (1981); ISO 18431-4; docs/spectra.md.
+    the last. Their motion under it is exact (the ramp invariant filter of Smallwood), and so is the
+    vibration after its end. Source: Smallwood, An improved recursive formula for calculating shock
+    response spectra, Shock and Vibration Bulletin 51 (1981); ISO 18431-4; docs/spectra.md.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+    acceleration : (n,) or (n, k) [m/s^2]
+        One series a column.
+    frequencies : (m,) [Hz], optional
+        Natural frequencies; by default twelve in an octave, from 5 Hz to a tenth of the sampling
+        rate.
+    q : float
+        The quality factor Q = 1 / (2 zeta) of the oscillators.
+    response : {"absolute", "static", "pseudo-velocity", "displacement"}
+        The acceleration of the mass z'' + a [m/s^2]; omega^2 z, which times the mass is the force
+        in the spring [m/s^2]; omega z [m/s]; or z [m]. All are positive where the spring pushes the
+        mass in the direction of the axis.
+    extreme : {"maximax", "positive", "negative"}
+        The largest value without sign, the largest, or the smallest one; the zero at the start
+        counts.
+    span : {"overall", "primary", "residual"}
+        The whole time, the time of the series, or the time after its end.
+
+    Returns
+    -------
+    ShockSpectrum
+
+    Raises
+    ------
+    SeriesError
+        For frequencies above a tenth of the sampling rate, where the line between samples misses
+        3 % of a vibration, and for words or a q that are not allowed.
+
+    Examples
+    --------
+    A step of the acceleration doubles the static response of an undamped oscillator:
+
+    >>> import numpy as np
+    >>> time = np.linspace(0.0, 1.0, 1001)
+    >>> step = np.full(1001, 3.0)
+    >>> spectrum = shock_spectrum(time, step, np.array([10.0]), q=np.inf, span="primary")
+    >>> spectrum.values.round(2).tolist()
+    [6.0]
     """
     _check_choices(response, extreme, span)
     if not q > 0.5:
@@ -114,21 +168,24 @@ def shock_spectrum(
 
 
 def _frequencies(series: Sampled, frequencies: Array | None) -> Array:
-    highest = 1.0 / (OVERSAMPLING * series.coarsest)
+    highest = 1.0 / (MIN_SAMPLES_PER_PERIOD * series.coarsest)
     if frequencies is None:
-        if highest <= LOWEST:
+        if highest <= DEFAULT_MIN_FREQUENCY:
             raise SeriesError(
-                f"expected steps below {1.0 / (OVERSAMPLING * LOWEST):.3g} s for oscillators from "
-                f"{LOWEST:g} Hz on, found {series.coarsest:.6g} s: give lower frequencies"
+                "expected steps below "
+                f"{1.0 / (MIN_SAMPLES_PER_PERIOD * DEFAULT_MIN_FREQUENCY):.3g} s for oscillators "
+                f"from {DEFAULT_MIN_FREQUENCY:g} Hz on, found {series.coarsest:.6g} s: give lower "
+                "frequencies"
             )
-        return octave_frequencies(LOWEST, highest)
+        return octave_frequencies(DEFAULT_MIN_FREQUENCY, highest)
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if frequencies.ndim != 1 or not frequencies.size or not (frequencies > 0.0).all():
         raise SeriesError("expected frequencies (m,), one or more, above zero")
     if (top := float(frequencies.max())) > (1.0 + 1e-9) * highest:
         raise SeriesError(
             f"{top:.6g} Hz: expected frequencies up to {highest:.6g} Hz, a tenth of the sampling "
-            f"rate; for this one the steps must be {1.0 / (OVERSAMPLING * top):.3g} s at most, "
+            f"rate; for this one the steps must be {1.0 / (MIN_SAMPLES_PER_PERIOD * top):.3g} s at "
+            "most, "
             f"found {series.coarsest:.6g} s"
         )
     return frequencies
@@ -148,7 +205,7 @@ def _extremes(
         "pseudo-velocity": -omega,
         "displacement": -1.0,
     }[response] / damped
-    fine = max(1, math.ceil(RESOLVED * frequency * step))
+    fine = max(1, math.ceil(INSTANTS_PER_PERIOD * frequency * step))
     motion = factor * _oscillate(step / fine, _refined(base, fine), pole)
     seen = [np.zeros(1)]
     if span != "residual":
@@ -176,7 +233,7 @@ def _oscillate(step: float, base: Array, pole: complex) -> Complex:
 
 def _phi_2(p: complex) -> complex:
     """(e^p - 1 - p) / p^2 without cancellation."""
-    if abs(p) > SMALL:
+    if abs(p) > MAX_SERIES_ARGUMENT:
         return complex((np.expm1(p) - p) / p**2)
     total, term = 0j, 0.5 + 0j
     for k in range(3, 20):
@@ -207,9 +264,9 @@ def _ringing(motion: complex, pole: complex) -> Array:
 
 def _check_choices(response: str, extreme: str, span: str) -> None:
     choices: tuple[tuple[str, Any, tuple[str, ...]], ...] = (
-        ("response", response, RESPONSES),
-        ("extreme", extreme, EXTREMES),
-        ("span", span, SPANS),
+        ("response", response, RESPONSE_KINDS),
+        ("extreme", extreme, EXTREME_KINDS),
+        ("span", span, RESPONSE_SPANS),
     )
     for name, value, known in choices:
         if value not in known:

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from ...files import FileError, in_one_line, renamed_when_whole, require_regular
-from ...files.hdf5 import DAMAGE
+from ...files.hdf5 import DAMAGE_ERRORS
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -137,5 +137,5 @@ def _failures_named(path: Path) -> Iterator[None]:
         raise StateError(f"{path}: {error}") from error
     except FileNotFoundError as error:
         raise StateError(f"{path}: no such file") from error
-    except DAMAGE as error:
+    except DAMAGE_ERRORS as error:
         raise StateError(f"{path}: not a readable state: {in_one_line(error)}") from error

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...superelement import Rotation
-from ...superelement.rotation import INERTIA
+from ...superelement.rotation import N_INERTIA_CHANGES
 from ..arrays import Array, Index, as_index
 from ..model.bodies import FlexibleBody
 from ..step.records.elastic import SecondOrder
@@ -18,7 +18,7 @@ def lengths_of(body: FlexibleBody) -> Array:
     if second is None:
         return ones
     mass, size = body.mass, body.superelement.size
-    inertia = np.full(INERTIA, 1.0 / (mass * size))
+    inertia = np.full(N_INERTIA_CHANGES, 1.0 / (mass * size))
     return np.concatenate([ones, inertia, np.full(second.r, mass**-0.5)])
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...results.batches import Batch
-from ...results.quantities import KINDS, Evaluated, evaluate
+from ...results.quantities import KINDS_BY_NAME, Evaluated, evaluate
 from ...results.results import Results
 from ...results.rotations import product, rotate
 from ...results.source import Memory
@@ -98,7 +98,7 @@ def _names(one: Evaluated, quantity: str) -> list[str]:
     """The quantity, or one name for each of its components."""
     if one.values.ndim == 1:
         return [quantity]
-    return [f"{quantity}:{axis}" for axis in KINDS[one.kind].axes]
+    return [f"{quantity}:{axis}" for axis in KINDS_BY_NAME[one.kind].axes]
 
 
 def _derivatives(values: Array, directions: Sequence[_Direction]) -> Array:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...superelement import Rotation, Superelement
-from ...superelement.rotation import INERTIA
+from ...superelement.rotation import N_INERTIA_CHANGES
 from ..arrays import Array
 from ..schema.entry import Entry, Flattened, entry
 from ..schema.values import NO_ARRAY, ZERO_VECTOR, FrameName, Inertia, Name, Positive, Vector
@@ -151,7 +151,7 @@ class FlexibleBody(_OfSuperelement, Entry):
     def n_inner(self) -> int:
         """Elastic dofs of terms of second order: six of inertia, then the coordinates q."""
         second = self.rotation
-        return 0 if second is None else INERTIA + second.r
+        return 0 if second is None else N_INERTIA_CHANGES + second.r
 
     @property
     def n_dofs(self) -> int:

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
 from ...results.dimensions import Axis
-from ...results.motion import OWNERS, QUANTITIES
-from ...superelement.sensor import KINDS
+from ...results.motion import OWNERS_OF_GROUP, QUANTITIES
+from ...superelement.sensor import CHANNELS_OF_KIND
 from ..arrays import Array
 from ..couplings.coupling import GROUND
 from ..errors import ModelError
@@ -15,7 +15,7 @@ from ..lower.lower import LoweredModel, pattern_names
 from ..model.model import Model
 from ..step.system import Output
 
-SENSOR_KINDS = tuple(KINDS)
+SENSOR_KINDS = tuple(CHANNELS_OF_KIND)
 """in the order of the units of `sensor_value`"""
 
 
@@ -25,7 +25,9 @@ def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
     `ModelError` for an unknown quantity.
     """
     request, axes = lowered.model.settings.output, axes_of(lowered)
-    owned = [f"{group}/{name}" for group, key in OWNERS.items() for name in axes[key].names]
+    owned = [
+        f"{group}/{name}" for group, key in OWNERS_OF_GROUP.items() for name in axes[key].names
+    ]
     request.check([*owned, "energy", "momentum", "solver"])
     files = {
         name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
@@ -146,7 +148,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
     """The names of all outputs of a step."""
     axes = axes_of(lowered)
     names = [quantity.key for quantity in QUANTITIES if quantity.source and not quantity.owned]
-    for group, dimension in OWNERS.items():
+    for group, dimension in OWNERS_OF_GROUP.items():
         for owner in axes[dimension].names:
             attributes = [name for name, _, _ in attributes_of(QUANTITIES, axes, group, owner)]
             names += [f"{group}/{owner}/{attribute}" for attribute in attributes]
@@ -156,7 +158,7 @@ def available(lowered: LoweredModel) -> dict[str, None]:
 def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
-    if group in OWNERS:
+    if group in OWNERS_OF_GROUP:
         for name_of_owner, quantity, entries in attributes_of(QUANTITIES, axes, group, owner):
             if name_of_owner == attribute:
                 rows = axes[quantity.dimensions[1]].rows[entries]

@@ -3,13 +3,13 @@
 import numpy as np
 
 from ...results.batches import EventRows
-from ...results.motion import EVENTS
+from ...results.motion import EVENT_QUANTITIES
 from ..arrays import Array, Index
 from ..lower.lower import LoweredModel
 from ..step.couplings import spring_energy
 from ..step.system import State, Workspace
 
-EVENT_COLUMNS = [quantity.attribute for quantity in EVENTS]
+EVENT_COLUMNS = [quantity.attribute for quantity in EVENT_QUANTITIES]
 
 
 def waiting(state: State) -> EventRows:

@@ -202,7 +202,7 @@ def test_a_bad_quantity_is_one_line(quantity, results):
     ],
 )
 def test_bad_options_of_a_sweep_are_refused(words, folder, monkeypatch):
-    monkeypatch.setattr("duhamel.study.workers.PATIENCE", 1)
+    monkeypatch.setattr("duhamel.study.workers.MAX_SCHEDULER_WAIT", 1)
     found = complaints(
         folder,
         "sweep",

@@ -20,7 +20,7 @@ def row(reused=False):
 
 
 def test_without_a_terminal_there_is_a_line_every_few_seconds(monkeypatch, capsys):
-    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 0.05)
+    monkeypatch.setattr("duhamel.files.progress.LINE_INTERVAL", 0.05)
     with shown_cases(4) as finished:
         finished(row())
         import time

@@ -97,7 +97,7 @@ def test_zeros_that_were_never_written_are_read_as_long_as_they_are_few(path):
 
 
 def test_more_than_the_memory_is_refused_before_it_is_read(path, monkeypatch):
-    monkeypatch.setattr("duhamel.files.hdf5.UNASKED", 20)
+    monkeypatch.setattr("duhamel.files.hdf5.UNCHECKED_BYTES", 20)
     monkeypatch.setattr("duhamel.files.hdf5.available", lambda: 20)
     with pytest.raises(DamageError, match="a/numbers: expected at most the 20 bytes of memory"):
         read(path)

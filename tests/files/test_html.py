@@ -1,6 +1,6 @@
 """Tables in HTML, as notebooks show them."""
 
-from duhamel.files.html import LONGEST, listed, table
+from duhamel.files.html import MAX_HTML_VALUE, listed, table
 
 
 def test_what_is_in_a_table_is_text():
@@ -12,7 +12,7 @@ def test_what_is_in_a_table_is_text():
 
 
 def test_a_long_value_is_cut():
-    assert "x" * (LONGEST + 1) not in table("t", [("a", "x" * (2 * LONGEST))])
+    assert "x" * (MAX_HTML_VALUE + 1) not in table("t", [("a", "x" * (2 * MAX_HTML_VALUE))])
 
 
 def test_many_names_are_listed_in_part():

@@ -64,14 +64,14 @@ def test_work_of_no_steps_is_told_too():
 
 
 def test_a_quick_piece_of_work_says_nothing(capsys, monkeypatch):
-    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 3600.0)
+    monkeypatch.setattr("duhamel.files.progress.LINE_INTERVAL", 3600.0)
     with Progress(Work("quick", 2)) as work:
         work.advance(2)
     assert capsys.readouterr().err == ""
 
 
 def test_work_that_is_not_shown_says_nothing(capsys, monkeypatch):
-    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 0.01)
+    monkeypatch.setattr("duhamel.files.progress.LINE_INTERVAL", 0.01)
     with Progress(Work("silent", 2), shown=False):
         time.sleep(0.05)
     assert capsys.readouterr().err == ""
@@ -79,7 +79,7 @@ def test_work_that_is_not_shown_says_nothing(capsys, monkeypatch):
 
 def test_without_a_terminal_lines_are_told_and_no_bar(monkeypatch):
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 0.02)
+    monkeypatch.setattr("duhamel.files.progress.LINE_INTERVAL", 0.02)
     with Progress(Work("simulating", 4)) as work:
         work.advance(1)
         told = wait_for(lambda text: text.count("\n") >= 2, sys.stderr.getvalue)
@@ -94,7 +94,7 @@ def test_a_terminal_has_a_bar_that_goes_when_the_work_ends(monkeypatch):
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr("duhamel.files.progress.FIRST", 0.0)
+    monkeypatch.setattr("duhamel.files.progress.BAR_DELAY", 0.0)
     with Progress(Work("simulating [1]", 4)) as work:
         work.advance(1)
         wait_for(lambda text: "simulating [1]: 25 %" in text, terminal.getvalue)
@@ -110,7 +110,7 @@ def test_a_pipe_that_nobody_reads_does_not_end_the_work(monkeypatch):
             raise BrokenPipeError
 
     monkeypatch.setattr(sys, "stderr", Broken())
-    monkeypatch.setattr("duhamel.files.progress.INTERVAL", 0.01)
+    monkeypatch.setattr("duhamel.files.progress.LINE_INTERVAL", 0.01)
     with Progress(Work("simulating", 4)) as work:
         assert tried.wait(LONG)
         work.advance(4)

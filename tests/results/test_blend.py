@@ -78,5 +78,5 @@ def test_points_are_taken_in_batches(monkeypatch, rng):
     places, u, theta = rng.normal(size=(3, 3, 3))
     blend = Blend(around(places), places, [True] * 3)
     whole = blend.displacement(u[None], theta[None])
-    monkeypatch.setattr("duhamel.results.blend.BATCH", 1000)
+    monkeypatch.setattr("duhamel.results.blend.TABLE_BATCH_NUMBERS", 1000)
     np.testing.assert_array_equal(blend.displacement(u[None], theta[None]), whole)

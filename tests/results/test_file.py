@@ -16,8 +16,8 @@ from duhamel.results import file as file_module
 from duhamel.results.batches import EventRows
 from duhamel.results.contents import SuperelementFile
 from duhamel.results.errors import QuantityError
-from duhamel.results.file import CHUNK, Extent, FileSource, FileWriter, chunks
-from duhamel.results.motion import EVENTS, QUANTITIES
+from duhamel.results.file import ROW_CHUNK_BYTES, Extent, FileSource, FileWriter, chunks
+from duhamel.results.motion import EVENT_QUANTITIES, QUANTITIES
 from duhamel.results.quantities import evaluate
 from duhamel.results.source import Memory
 
@@ -123,7 +123,7 @@ def test_events_are_the_same_in_however_many_writes_and_in_memory(tmp_path):
     for number, (name, found) in enumerate(results.events.items()):
         own = events.values[events.owner == number]
         assert len(found) == len(expected[name]) == len(own) > 0
-        for quantity, column in zip(EVENTS, own.T, strict=True):
+        for quantity, column in zip(EVENT_QUANTITIES, own.T, strict=True):
             np.testing.assert_array_equal(getattr(found, quantity.attribute), column)
     assert results.unit("events", "k1", "peak") == "N m"  # the odd ones are angular
     assert results.unit("events", "e0", "peak") == "N"
@@ -324,9 +324,9 @@ def test_rows_wait_for_those_who_read(tmp_path):
 @pytest.mark.parametrize("wait", ["at the end", "with a full buffer"])
 def test_readers_who_never_close_the_file_do_not_end_a_run(tmp_path, monkeypatch, wait):
     """They keep the file as it was; the run goes on in a copy."""
-    monkeypatch.setattr(file_module, "PATIENCE", 0.01)
+    monkeypatch.setattr(file_module, "LOCK_WAIT", 0.01)
     if wait == "with a full buffer":
-        monkeypatch.setattr(file_module, "BUFFER", 0)
+        monkeypatch.setattr(file_module, "MAX_WAITING_BYTES", 0)
     path, contents = tmp_path / "out.h5", make_contents()
     output = make_output(contents, 4)
     writer = write(path, contents, output, (2,))
@@ -397,9 +397,9 @@ def test_chunks_are_neither_large_nor_many(shape, rows):
     found = chunks(shape, rows)
     assert len(found) == len(shape) + 1
     assert all(0 < chunk <= size for chunk, size in zip(found, (rows, *shape), strict=True))
-    assert 8 * np.prod(found) <= CHUNK
+    assert 8 * np.prod(found) <= ROW_CHUNK_BYTES
     count = np.prod(np.ceil(np.divide((rows, *shape), found)))
-    assert count <= 4 * (8 * rows * np.prod(shape) / CHUNK + 1)
+    assert count <= 4 * (8 * rows * np.prod(shape) / ROW_CHUNK_BYTES + 1)
 
 
 WRITER = """

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from duhamel.results.dimensions import DIMENSIONS
 from duhamel.results.file import FileWriter
-from duhamel.results.motion import EVENT_OF, EVENTS, QUANTITIES
+from duhamel.results.motion import EVENT_OWNER, EVENT_QUANTITIES, QUANTITIES
 
 from .writing import NOTES, batch, make_contents, make_events, make_output
 
@@ -61,7 +61,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             assert variable.attrs["long_name"] == quantity.description
             if isinstance(quantity.unit, str):
                 assert variable.attrs["units"] == quantity.unit
-        for quantity in (EVENT_OF, *EVENTS):
+        for quantity in (EVENT_OWNER, *EVENT_QUANTITIES):
             assert data[quantity.name].dims == ("event",)
         np.testing.assert_array_equal(data.event, np.arange(9))
         assert data.event_peak.attrs["ancillary_variables"] == "event_peak_units"

@@ -15,7 +15,7 @@ from duhamel.results import (
     write_mat,
 )
 from duhamel.results import file as file_module
-from duhamel.results.contents import EARLIEST, VERSION
+from duhamel.results.contents import EARLIEST_VERSION, RESULTS_VERSION
 from duhamel.results.file import FileWriter
 from duhamel.results.motion import BodyMotion, Energy
 from duhamel.results.quantities import evaluate
@@ -25,8 +25,8 @@ from duhamel.view import curves, overview
 from .disc import write_disc
 from .writing import NOTES, batch, make_contents, make_output
 
-VERSIONS = range(EARLIEST, VERSION + 1)
-NEW = VERSION + 1
+VERSIONS = range(EARLIEST_VERSION, RESULTS_VERSION + 1)
+NEW = RESULTS_VERSION + 1
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def add(monkeypatch):
         for module in (motion, contents, file_module, quantities):
             monkeypatch.setattr(module, "QUANTITIES", every)
         for name, found in quantities._of_records().items():
-            monkeypatch.setitem(quantities.KINDS, name, found)
+            monkeypatch.setitem(quantities.KINDS_BY_NAME, name, found)
 
     return add
 

@@ -108,8 +108,8 @@ def test_velocities_are_the_rates_of_positions(results):
 
 def test_batches_of_times_give_the_same_file(results, tmp_path, monkeypatch):
     whole, points, _ = write_vtk(results, tmp_path, "whole", STEPS)
-    monkeypatch.setattr("duhamel.results.exports.paraview.AT_ONCE", 1)
-    monkeypatch.setattr("duhamel.results.exports.paraview.READ", 1)
+    monkeypatch.setattr("duhamel.results.exports.paraview.BATCH_POINTS", 1)
+    monkeypatch.setattr("duhamel.results.exports.paraview.SCATTERED_READ_NUMBERS", 1)
     parts, points_in_parts, _ = write_vtk(results, tmp_path, "parts", STEPS)
     for one, other in ((whole, parts), (points, points_in_parts)):
         with h5py.File(one) as a, h5py.File(other) as b:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from duhamel.results.search import LENGTHS, STRIDE, Field, extremes
+from duhamel.results.search import FIRST_INTERVAL_STEPS, LENGTH_OF_FIELD, Field, extremes
 from duhamel.superelement import von_mises
 
 POINTS, MODES = 40, 12
@@ -22,17 +22,17 @@ def trajectory(kind, n, rng):
     return x
 
 
-@pytest.mark.parametrize("name", LENGTHS)
+@pytest.mark.parametrize("name", LENGTH_OF_FIELD)
 @pytest.mark.parametrize("kind", ["vibration", "impacts", "noise", "rest"])
-@pytest.mark.parametrize("n", [1, 2, STRIDE + 1, 1000])
+@pytest.mark.parametrize("n", [1, 2, FIRST_INTERVAL_STEPS + 1, 1000])
 def test_they_are_those_of_all_values(name, kind, n):
     rng = np.random.default_rng(n)
     shapes = rng.normal(size=(POINTS, 6 if name == "von_mises" else 3, MODES))
     x = trajectory(kind, n, rng)
-    every = LENGTHS[name](np.einsum("pcm,km->kpc", shapes, x))
+    every = LENGTH_OF_FIELD[name](np.einsum("pcm,km->kpc", shapes, x))
     over_time = every.max(axis=1)
     blocks = [(5 + k, x[k : k + 300]) for k in range(0, n, 300)]
-    found = extremes(Field(shapes, LENGTHS[name]), blocks)
+    found = extremes(Field(shapes, LENGTH_OF_FIELD[name]), blocks)
     assert found.largest == pytest.approx(every.max(), rel=1e-12)
     assert found.smallest == pytest.approx(over_time.min(), rel=1e-12)
     assert found.at_largest - 5 == over_time.argmax()

@@ -18,7 +18,7 @@ from duhamel.results import (
 from duhamel.results.exports import matlab, tables
 from duhamel.results.exports.matlab import identifiers
 from duhamel.results.file import FileWriter
-from duhamel.results.motion import EVENTS
+from duhamel.results.motion import EVENT_QUANTITIES
 from duhamel.results.source import Memory
 from duhamel.results.steps import evenly, window
 
@@ -91,13 +91,13 @@ def test_events_stand_beside_the_names_of_their_contacts(run, tmp_path):
     assert len(rows) == 9
     for owner, events in run.events.items():
         found = [row[1:] for row in rows if row[0] == owner]
-        expected = np.column_stack([getattr(events, q.attribute) for q in EVENTS])
+        expected = np.column_stack([getattr(events, q.attribute) for q in EVENT_QUANTITIES])
         np.testing.assert_array_equal(np.array(found, dtype=float).reshape(-1, 9), expected)
 
 
 def test_reading_in_parts_changes_nothing(run, tmp_path, monkeypatch):
     write_csv(run, tmp_path / "whole")
-    monkeypatch.setattr("duhamel.results.exports.tables.AT_ONCE", 40)
+    monkeypatch.setattr("duhamel.results.exports.tables.BATCH_NUMBERS", 40)
     write_csv(run, tmp_path / "parts")
     for path in (tmp_path / "whole").iterdir():
         assert path.read_bytes() == (tmp_path / "parts" / path.name).read_bytes()
@@ -187,7 +187,7 @@ def test_names_become_those_of_matlab():
 
 
 def test_more_than_matlab_can_hold_is_refused(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(matlab, "MOST", 1000)
+    monkeypatch.setattr(matlab, "MAX_VARIABLE_BYTES", 1000)
     with pytest.raises(ExportError, match=r"run\.mat: frames would take .* GB, and a MATLAB file"):
         write_mat(run, tmp_path / "run.mat")
     assert not list(tmp_path.iterdir())

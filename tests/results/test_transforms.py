@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from duhamel.cli.commands.plot import plot
 from duhamel.results import QuantityError, Results, SeriesError, SeriesWarning, series
-from duhamel.results.transforms import GRAVITY, TRANSFORMS, check, parse, split
+from duhamel.results.transforms import STANDARD_GRAVITY, TRANSFORMS, check, parse, split
 from duhamel.results.transforms import series as evaluated
 
 from .disc import TIME, TRAVEL
@@ -69,11 +69,11 @@ def test_a_vector_keeps_its_axes(results):
 @pytest.mark.parametrize(
     ("quantity", "plain", "unit", "factor"),
     [
-        (f"g({TIP})", TIP, "g", GRAVITY),
-        (f"g(srs({TIP}))", f"srs({TIP})", "g", GRAVITY),
-        (f"srs(g({TIP}))", f"srs({TIP})", "g", GRAVITY),
-        (f"fourier(g({TIP}))", f"fourier({TIP})", "g s", GRAVITY),
-        (f"psd(g({TIP}))", f"psd({TIP})", "g²/Hz", GRAVITY**2),
+        (f"g({TIP})", TIP, "g", STANDARD_GRAVITY),
+        (f"g(srs({TIP}))", f"srs({TIP})", "g", STANDARD_GRAVITY),
+        (f"srs(g({TIP}))", f"srs({TIP})", "g", STANDARD_GRAVITY),
+        (f"fourier(g({TIP}))", f"fourier({TIP})", "g s", STANDARD_GRAVITY),
+        (f"psd(g({TIP}))", f"psd({TIP})", "g²/Hz", STANDARD_GRAVITY**2),
         (f"srs(g({TIP}), pseudo-velocity)", f"srs({TIP}, pseudo-velocity)", "m/s", 1.0),
         (f"srs(g({TIP}), displacement)", f"srs({TIP}, displacement)", "m", 1.0),
     ],

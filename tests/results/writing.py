@@ -6,7 +6,7 @@ import numpy as np
 from duhamel.results.batches import Batch, Energies, EventRows
 from duhamel.results.contents import SuperelementFile, lay_out
 from duhamel.results.dimensions import Axis
-from duhamel.results.motion import EVENTS, output_fields
+from duhamel.results.motion import EVENT_QUANTITIES, output_fields
 
 NOTES = {"h": 0.1, "steps": 10, "finished": False, "assembly_error_at": ""}
 START = Energies(2.0, 6.0)
@@ -104,8 +104,8 @@ def make_output(contents, n, seed=0):
 def make_events(contents, m, seed=0):
     """m events of all owners."""
     rng = np.random.default_rng(seed)
-    values = rng.normal(size=(m, len(EVENTS)))
-    values[:, [quantity.integer for quantity in EVENTS]] = 3.0
+    values = rng.normal(size=(m, len(EVENT_QUANTITIES)))
+    values[:, [quantity.integer for quantity in EVENT_QUANTITIES]] = 3.0
     return EventRows(rng.integers(0, len(contents.axes["event_owner"]), m), values)
 
 

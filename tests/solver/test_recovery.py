@@ -94,7 +94,7 @@ def test_the_field_at_the_interfaces_is_what_the_run_recorded(
 def test_extremes_of_a_field_are_those_of_all_its_values(
     coarse_beam, hub_and_beam, monkeypatch, name, rows, kept
 ):
-    monkeypatch.setattr("duhamel.results.recovery.KEPT", kept)
+    monkeypatch.setattr("duhamel.results.recovery.MAX_KEPT_MODAL_BYTES", kept)
     results = simulate(spun(coarse_beam, hub_and_beam))
     every = results.displacement("beam", results.time)
     over_time = np.linalg.norm(every, axis=-1).max(axis=1)

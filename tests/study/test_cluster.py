@@ -143,7 +143,7 @@ def test_a_case_that_kills_the_workers_of_a_cluster_is_reported(study_file, monk
 
 
 def test_a_scheduler_that_is_not_there_is_told(study_file, monkeypatch):
-    monkeypatch.setattr("duhamel.study.workers.PATIENCE", 1)
+    monkeypatch.setattr("duhamel.study.workers.MAX_SCHEDULER_WAIT", 1)
     with pytest.raises(ClusterError, match=r"^tcp://127\.0\.0\.1:1: no scheduler"):
         sweep(read_study(study_file()), scheduler="tcp://127.0.0.1:1")
 

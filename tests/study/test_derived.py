@@ -113,13 +113,13 @@ def test_the_cases_do_not_share_what_is_changed(study_file):
         ),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "J * L"\nderived.L = "bodies.hub.mass"',
-            "follows from itself",
+            "depends on itself",
         ),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "J"\nparameters.bodies.hub.mass = [1]',
             "derived.bodies.hub.mass: is a parameter too",
         ),
-        ("parameters.pi = [1]", "parameters.pi: expected a word that is no function"),
+        ("parameters.pi = [1]", "parameters.pi: expected a name that is one word and no function"),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "1 / (J - 1)"',
             "derived.bodies.hub.mass: expected arithmetic, found '1 / (J - 1)'",
@@ -127,7 +127,7 @@ def test_the_cases_do_not_share_what_is_changed(study_file):
         ("parameters.J = [1]\nderived.bodies.hub.mass = true", "expected arithmetic, found True"),
         (
             'parameters.J = [1]\nderived.bodies.hub.mass = "J * joints.pivot.name"',
-            "joints.pivot.name: expected numbers, found 'pivot'",
+            "joints.pivot.name: expected numbers, found the text 'pivot'",
         ),
         (
             "parameters.simulation.step = {uniform = [1, 2]}",

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from duhamel.solver import read_model, simulate
 from duhamel.study import read_study, sweep
-from duhamel.study.processes import MEMORY, SPAWN, _cores, _Queue, on_processes
+from duhamel.study.processes import BYTES_OF_PROCESS, SPAWN_CONTEXT, _cores, _Queue, on_processes
 from duhamel.study.processes import _report as report_of
 from duhamel.study.workers import Report
 
@@ -60,7 +60,7 @@ def test_a_case_that_gets_all_the_machine_waits_for_the_others():
 
 
 def test_there_are_no_more_processes_than_the_memory_is_good_for(monkeypatch):
-    monkeypatch.setattr("duhamel.study.processes.available", lambda: 1.5 * MEMORY)
+    monkeypatch.setattr("duhamel.study.processes.available", lambda: 1.5 * BYTES_OF_PROCESS)
     assert _cores() == 1
 
 
@@ -103,7 +103,7 @@ def test_processes_end_with_the_sweep(study_file, monkeypatch):
 @pytest.mark.parametrize("said", [b"", struct.pack("!i", 100), struct.pack("!i", 100) + b"half"])
 def test_a_process_that_dies_while_it_reports_has_died(said):
     """Connections send the number of bytes ahead of them."""
-    near, far = SPAWN.Pipe()
+    near, far = SPAWN_CONTEXT.Pipe()
     far._send(said)
     far.close()
     worker = SimpleNamespace(pipe=near, stop=near.close)

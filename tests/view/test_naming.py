@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from duhamel.results.quantities import KINDS
+from duhamel.results.quantities import KINDS_BY_NAME
 from duhamel.results.transforms import Series
 from duhamel.view import Curve, naming, title_and_labels
 
@@ -60,12 +60,12 @@ NAMES = {
 
 def named(quantity, unit="m", treatment=(), run=""):
     kind, *names = quantity.split(":")
-    count = len(KINDS[kind].names)
+    count = len(KINDS_BY_NAME[kind].names)
     names, axis = names[:count], "".join(names[count:])
     found = Series(kind, tuple(names), axis, (), unit, np.zeros(1), np.zeros(1))
     results = SimpleNamespace(bodies=("hub", "beam"))
     words = (naming.kind(found), naming.owner(results, found), axis, *treatment)
-    return Curve(words, unit, np.zeros(1), along=KINDS[kind].preposition, run=run)
+    return Curve(words, unit, np.zeros(1), along=KINDS_BY_NAME[kind].preposition, run=run)
 
 
 @pytest.mark.parametrize(("quantity", "unit"), NAMES)
@@ -74,7 +74,7 @@ def test_a_quantity_reads_as_a_person_writes_it(quantity, unit):
 
 
 def test_every_kind_of_quantity_is_read():
-    assert {quantity.partition(":")[0] for quantity, _ in NAMES} == set(KINDS)
+    assert {quantity.partition(":")[0] for quantity, _ in NAMES} == set(KINDS_BY_NAME)
 
 
 @pytest.mark.parametrize(

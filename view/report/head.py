@@ -1,7 +1,7 @@
 """The head of a report: what was run, and how far it can be trusted."""
 
 from ...results import Results
-from ...results.validity import SHOWN
+from ...results.validity import MAX_SHOWN_WARNINGS
 from .markup import Markup, element, facts, joined
 from .numbers import counted, seconds
 from .origin import Origin, opening
@@ -29,9 +29,13 @@ def verdict(results: Results) -> Markup:
     else:
         unfinished = ""
     if poor:
-        lines = [element("li", line) for line in results.validity.warnings[:SHOWN]]
-        if len(poor) > SHOWN:
-            lines.append(element("li", f"and {len(poor) - SHOWN} more: see the table of validity"))
+        lines = [element("li", line) for line in results.validity.warnings[:MAX_SHOWN_WARNINGS]]
+        if len(poor) > MAX_SHOWN_WARNINGS:
+            lines.append(
+                element(
+                    "li", f"and {len(poor) - MAX_SHOWN_WARNINGS} more: see the table of validity"
+                )
+            )
         text = f"{unfinished}{results.validity.summary}"
         return element("div", element("strong", text), element("ul", *lines), class_="verdict poor")
     verdicts = {check.verdict for check in checks}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...results import QuantityError, Results
-from ...results.quantities import KINDS, evaluate, names_in_role
+from ...results.quantities import KINDS_BY_NAME, evaluate, names_in_role
 from ...superelement.validation import Array
 from ..naming import in_full, title_and_labels
 from ..overview import overview
@@ -41,8 +41,8 @@ class Plot:
 def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
     """The plots by the heading above them; none where nothing was recorded."""
     yield "Overview", _overview(results)
-    for section in dict.fromkeys(kind.section for kind in KINDS.values() if kind.section):
-        found = [name for name, kind in KINDS.items() if kind.section == section]
+    for section in dict.fromkeys(kind.section for kind in KINDS_BY_NAME.values() if kind.section):
+        found = [name for name, kind in KINDS_BY_NAME.items() if kind.section == section]
         drawn = [plot for name in found for plot in _of_kind(results, name)]
         yield section, [*drawn, *(_peaks_of_contacts(results) if section == "Contacts" else ())]
     yield "Solver", [*_solver(results)]
@@ -117,7 +117,7 @@ def _solver(results: Results) -> Iterator[Plot]:
 
 def _of_kind(results: Results, name: str) -> Iterator[Plot]:
     """A plot of all that a kind is of, for each unit that it has."""
-    roles = [role for each in KINDS[name].names for role in each.split("|")]
+    roles = [role for each in KINDS_BY_NAME[name].names for role in each.split("|")]
     owners = [owner for role in roles for owner in names_in_role(results, role)]
     found: list[Curve] = []
     for owner in owners if roles else [""]:
@@ -135,7 +135,7 @@ def _length(results: Results, kind: str, name: str) -> Curve:
     found = evaluate(results, f"{kind}:{name}" if name else kind)
     values = found.values
     if values.ndim == 2:
-        values = _equivalent(values) if len(KINDS[kind].axes) == 6 else _norm(values)
+        values = _equivalent(values) if len(KINDS_BY_NAME[kind].axes) == 6 else _norm(values)
     return Curve(("", name, ""), found.unit, values)
 
 
