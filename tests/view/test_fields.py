@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from duhamel import view
 from duhamel.view.field_kinds import COLOR_MAP
-from duhamel.view.fields import TRIANGLES, _triangles
+from duhamel.view.fields import TRIANGLES_OF_FACET, _triangles
 
 SQUARE = np.array(
     [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5), (0.5, 0.5)]
@@ -14,7 +14,7 @@ SQUARE = np.array(
 TRIANGLE = np.array([(0, 0), (1, 0), (0, 1), (0.5, 0), (0.5, 0.5), (0, 0.5)])
 
 
-@pytest.mark.parametrize("n", TRIANGLES)
+@pytest.mark.parametrize("n", TRIANGLES_OF_FACET)
 def test_triangles_cover_a_facet_once_and_turn_as_it_does(n):
     """Areas are positive and add up; a linear field has its integral, and each triangle the value
     at its centroid.
