@@ -3,7 +3,6 @@
 import doctest
 import importlib
 import pkgutil
-from pathlib import Path
 
 import duhamel
 import duhamel as du
@@ -285,11 +284,11 @@ def test_the_top_level_is_small_and_complete():
 
 @pytest.mark.parametrize(
     "module",
-    [found.name for found in pkgutil.iter_modules(duhamel.__path__) if not found.ispkg],
+    [
+        found.name
+        for found in pkgutil.iter_modules(duhamel.__path__)
+        if not found.ispkg and not found.name.startswith("__")
+    ],
 )
 def test_examples_in_docstrings_run(module):
-    if module.startswith("__"):
-        pytest.skip("nothing to run")
-    loaded = importlib.import_module(f"duhamel.{module}")
-    assert Path(loaded.__file__).parent.name == "top" or "site-packages" in loaded.__file__
-    assert doctest.testmod(loaded).failed == 0
+    assert doctest.testmod(importlib.import_module(f"duhamel.{module}")).failed == 0
