@@ -386,10 +386,14 @@ CRITERIA = {criterion.name: criterion for criterion in _CRITERIA_IN_ORDER}
 
 
 class UsedStep(NamedTuple):
-    """The step that a criterion is about: its key in [simulation], and its size [s]."""
+    """The step that a criterion is about: its key in [simulation], and its size [s].
+
+    whole: the step of which `contact_step` must be a whole fraction; 0 for `step` itself.
+    """
 
     key: str
     size: float
+    whole: float = 0.0
 
 
 class Check(NamedTuple):
@@ -440,16 +444,17 @@ class Check(NamedTuple):
         """The key to change and its value, where the steps are too few."""
         if self.step is None or not 0.0 < self.value < math.inf:
             return ""
-        (key, size), enough = self.step, self.criterion.good
-        return f": {key} = {_rounded_down(size * self.value / enough)} s (now {size:.3g} s)"
+        (key, size, whole), most = self.step, self.step.size * self.value / self.criterion.good
+        advised = _fraction(whole, most) if whole else _rounded_down(most)
+        return f": {key} = {advised} s (now {size:.3g} s)"
 
     def with_step(self, step: float, contact_step: float) -> "Check":
         """The same of a run with these steps [s], if it counts steps."""
         if not self.criterion.least:
             return self
-        in_contact = self.criterion.name == "contact_steps" and contact_step < step
-        size = contact_step if self.criterion.name == "contact_steps" else step
-        return self._replace(step=UsedStep("contact_step" if in_contact else "step", size))
+        if self.criterion.name == "contact_steps" and contact_step < step:
+            return self._replace(step=UsedStep("contact_step", contact_step, step))
+        return self._replace(step=UsedStep("step", step))
 
     def distance(self) -> float:
         """An order of checks of one criterion: the larger, the worse; what is unknown is best."""
@@ -521,6 +526,19 @@ def _rounded_down(value: float) -> str:
     """Two digits of a positive number, no more than it."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return f"{math.floor(value / unit + 1e-9) * unit:.2g}"
+
+
+def _fraction(whole: float, most: float) -> str:
+    """A whole fraction of a step, no more than `most`: the largest of four digits, if one is near.
+
+    Among fewer than twice the parts; else the largest of all, to the digits that a model needs.
+    """
+    least = max(2, math.ceil(whole / most - 1e-9))
+    for parts in range(least, 2 * least):
+        short = f"{whole / parts:.4g}"
+        if math.isclose(float(short) * parts, whole, rel_tol=1e-12):
+            return short
+    return f"{whole / least:.12g}"
 
 
 def _row(check: Check) -> tuple[str, ...]:
