@@ -218,10 +218,11 @@ class _Output(NamedTuple):
 
 NUMBER_PATTERN = r"([-+.\deE]+)"
 OUTPUT_PATTERN = re.compile(
-    r"\s*(?P<reduction>\S+)\s+(?P<bar>\|?)(?P<quantity>[^\s|(]+\([^|]*\)|[^\s|]+)(?P<end>\|?)"
-    rf"(\s+at\s+(?P<at>{NUMBER_PATTERN})|\s+from\s+(?P<low>{NUMBER_PATTERN})\s+to\s+(?P<high>{NUMBER_PATTERN}))?"
-    r"(\s*(?P<unit>s|Hz))?\s*"
+    r"\s*(?P<reduction>\S+)\s+(?P<bar>\|?)(?P<quantity>[^\s|](?:[^|]*?[^\s|])?)(?P<end>\|?)"
+    rf"((\s+at\s+(?P<at>{NUMBER_PATTERN})|\s+from\s+(?P<low>{NUMBER_PATTERN})\s+to\s+(?P<high>{NUMBER_PATTERN}))"
+    r"(\s*(?P<unit>s|Hz))?)?\s*"
 )
+"""A quantity may have blanks, as names have; the part of the time is last."""
 
 
 def _parsed(output: str) -> _Output:

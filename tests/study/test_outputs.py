@@ -39,6 +39,22 @@ def test_what_is_made_of_quantities_is_an_output(results):
     assert found["at"] == pytest.approx(over, rel=2e-2)
 
 
+def test_names_may_have_blanks(folder):
+    """Also before the part of the time, and within what is made of quantities."""
+    text = (folder / "model" / "hub.toml").read_text().replace("bodies.hub", 'bodies."left hub"')
+    path = folder / "model" / "blank.toml"
+    path.write_text(text.replace('"hub"', '"left hub"'))
+    outputs = {
+        "all": "max |angle:left hub|",
+        "part": "max angle:left hub:z from 0 to 0.025 s",
+        "filtered": "value lowpass(angle:left hub:z, 200) at 0.05",
+    }
+    found = values(simulate(read_model(path)), outputs)
+    assert found["all"] == pytest.approx(0.0025, rel=1e-3)
+    assert found["part"] == pytest.approx(0.25 * 0.0025, rel=1e-3)
+    assert found["filtered"] == pytest.approx(0.0025, rel=2e-2)
+
+
 @pytest.mark.parametrize(
     ("output", "message"),
     [
