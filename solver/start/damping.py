@@ -41,7 +41,11 @@ class DampedMotion(NamedTuple):
 
 
 def damping_in_words(motions: Sequence[DampedMotion]) -> str:
-    return ", ".join(f"{m.frequency:.5g} Hz {100.0 * m.ratio:.3g} %" for m in motions)
+    """Frequencies and ratios; a ratio of rounding is 0."""
+    return ", ".join(
+        f"{m.frequency:.5g} Hz {100.0 * m.ratio if abs(m.ratio) > NEGLIGIBLE_RATIO else 0:.3g} %"
+        for m in motions
+    )
 
 
 def damping_of(initial: InitialState) -> str:
@@ -76,7 +80,7 @@ def damped_motions(initial: InitialState, found: Vibrations) -> list[DampedMotio
     motions = [
         DampedMotion(s.imag / (2.0 * np.pi), -s.real / abs(s))
         for s in poles
-        if s is not None and s.imag > 0.0
+        if s is not None and s.imag > ROUNDED * abs(s)
     ]
     return motions if any(abs(motion.ratio) > NEGLIGIBLE_RATIO for motion in motions) else []
 

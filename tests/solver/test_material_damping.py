@@ -196,6 +196,25 @@ def test_the_damping_of_a_long_chain_of_masses_is_that_of_the_formula():
     np.testing.assert_allclose([motion.frequency for motion in found], damped, rtol=1e-8)
 
 
+def test_an_overdamped_motion_is_no_vibration():
+    """The mass behind a stiff damper swings as if it held the first one, which creeps back."""
+    joints = [
+        Prismatic(a, b, [1, 0, 0], name=b) for a, b in (("ground", "first"), ("first", "last"))
+    ]
+    model = model_of(
+        bodies={name: RigidBody(1.0, [1.0, 1.0, 1.0]) for name in ("first", "last")},
+        joints=joints,
+        motors=[
+            Motor("damper", "first", "distance", stiffness=400.0, damping=1e4),
+            Motor("coil", "last", "distance", stiffness=800.0, damping=0.1),
+        ],
+        t_end=0.01,
+        step=1e-3,
+    )
+    (swing,) = check(model).damping
+    assert 2.0 * np.pi * swing.frequency == pytest.approx(np.sqrt(800.0), rel=1e-3)
+
+
 COMPLIANT = {
     "damping": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0),
     "integral": Motor("servo", "hinge", "angle", stiffness=40.0, damping=2.0, integral=25.0),
