@@ -33,19 +33,21 @@ def require_no_input(output: Path, inputs: Iterable[Path]) -> None:
 
 
 @contextmanager
-def renamed_when_whole(path: Path, durable: bool = False) -> Iterator[Path]:
+def renamed_when_whole(
+    path: Path, durable: bool = False, failure: type[Exception] | None = None
+) -> Iterator[Path]:
     """A temporary file beside `path` that replaces it when the block ends without an error.
 
     A link stays, and what it leads to is replaced. The file has the permissions of any new file.
     Temporary files of processes that have died meanwhile are removed. durable: see
-    `replace_durably`. OSError where the folder cannot be written to.
+    `replace_durably`. OSError where it cannot be written, or a `failure` that names it.
     """
-    path = resolved(path)
-    remove_orphans(path)
-    handle, name = tempfile.mkstemp(prefix=temporary_prefix(path), dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
+    path, temporary = resolved(path), None
     try:
+        remove_orphans(path)
+        handle, name = tempfile.mkstemp(prefix=temporary_prefix(path), dir=path.parent)
+        os.close(handle)
+        temporary = Path(name)
         yield temporary
         umask = os.umask(0)
         os.umask(umask)
@@ -54,8 +56,13 @@ def renamed_when_whole(path: Path, durable: bool = False) -> Iterator[Path]:
             replace_durably(temporary, path)
         else:
             temporary.replace(path)
+    except OSError as error:
+        if failure is None:
+            raise
+        raise failure(f"{path}: cannot be written: {in_words(error)}") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
 
 
 def in_words(error: Exception) -> str:

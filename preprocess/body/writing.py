@@ -6,6 +6,7 @@ from typing import Any
 
 from ...files import renamed_when_whole
 from ...inputs import toml_of
+from ..errors import BodyError
 from ..mesh.mesh import Mesh
 from ..mesh.writing import write_mesh
 from .body import Body
@@ -16,6 +17,7 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
 
     Paths of meshes and matrices are relative to the new file. A mesh in memory is written beside
     it, as a file of VTK with the same name.
+    `BodyError` or `MeshError` names the file that cannot be written.
     """
     path = Path(path)
     table = body.model_dump(exclude_unset=True, exclude_none=True)
@@ -23,7 +25,7 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
         beside = path.with_suffix(".vtu")
         write_mesh(body.mesh, beside)
         table["mesh"] = beside.name
-    with renamed_when_whole(path) as temporary:
+    with renamed_when_whole(path, failure=BodyError) as temporary:
         temporary.write_text(toml_of(_in_file(table, path.parent)), encoding="utf-8")
 
 

@@ -7,13 +7,15 @@ import meshio
 import numpy as np
 
 from ...files import renamed_when_whole
+from ..errors import MeshError
 from .mesh import Mesh
 
 
 def write_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
     """Write a mesh and its groups as a file of VTK (.vtu); it appears whole or not at all.
 
-    A group is an array of 0 and 1 on cells, on points, or on both.
+    A group is an array of 0 and 1 on cells, on points, or on both. `MeshError` names a file that
+    cannot be written.
     """
     kinds = list(mesh.cells)
     cell_data, point_data = {}, {}
@@ -29,5 +31,5 @@ def write_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
     whole = meshio.Mesh(
         mesh.points, list(mesh.cells.items()), point_data=point_data, cell_data=cell_data
     )
-    with renamed_when_whole(Path(path)) as temporary:
+    with renamed_when_whole(Path(path), failure=MeshError) as temporary:
         meshio.vtu.write(str(temporary), whole)

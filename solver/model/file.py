@@ -202,7 +202,8 @@ def write_model(model: Any, path: Any, /) -> None:
 
     `write_model(path, model)` is understood too. Superelements, and the run that it starts from,
     are named by their paths, relative to the new file. ModelError names a body whose superelement
-    is in no file, and a load, joint, motion or motor that follows a Python function.
+    is in no file, a load, joint, motion or motor that follows a Python function, and a file that
+    cannot be written.
     """
     model, path = object_and_path(model, path)
     path = Path(path)
@@ -210,7 +211,7 @@ def write_model(model: Any, path: Any, /) -> None:
     # none.
     with beside(path.parent):
         document = _document(model, path.parent)
-    with renamed_when_whole(path) as temporary:
+    with renamed_when_whole(path, failure=ModelError) as temporary:
         temporary.write_text(toml_of(document), encoding="utf-8")
 
 

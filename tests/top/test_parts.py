@@ -55,6 +55,17 @@ def test_groups_of_a_mesh_in_memory_are_kept_in_its_file(tmp_path):
     np.testing.assert_array_equal(read.compliance, part.superelement(step=1e-5).compliance)
 
 
+def test_a_part_in_a_folder_that_is_not_there_is_an_error_that_names_the_file(tmp_path):
+    with pytest.raises(preprocess.MeshError, match=r"nowhere/bar\.vtu: cannot be written: No such"):
+        bar().write(tmp_path / "nowhere" / "bar.toml", step=2e-5)
+    part = bar()
+    part.write(tmp_path / "bar.toml", step=2e-5)
+    with pytest.raises(
+        preprocess.BodyError, match=r"nowhere/bar\.toml: cannot be written: No such"
+    ):
+        du.Part.read(tmp_path / "bar.toml").write(tmp_path / "nowhere" / "bar.toml")
+
+
 def test_selections_are_joined_by_and():
     part = bar()
     part.interface("corner", du.plane(x=1.0) & du.box([1.0, 0.0, 0.0], [1.0, 0.05, 0.05]))
