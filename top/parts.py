@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypedDict, Unpack
 
 import numpy as np
 from duhamel import preprocess, view
@@ -36,6 +36,23 @@ TABLE_KINDS: dict[str, type[Table]] = {
 """what body files give by name"""
 DEFAULT_STEPS = 100
 """steps of sampled impulse responses where no duration is given; modes hold for any duration"""
+
+
+class ImpulseOptions(TypedDict, total=False):
+    """What impulse responses are asked for, as the keys of `[impulse]` in body files."""
+
+    band: float
+    """[Hz], up to where they are to be right; half the Nyquist frequency unless given"""
+    method: Method
+    """"modal", "krylov", "march", "craig-bampton" or "rubin", by default what fits the size"""
+    modes: int
+    """how many, of the methods "craig-bampton" and "rubin" """
+    tolerance: float
+    """the error of the transfer function in the band that "krylov" may make"""
+    rho_inf: float
+    """the spectral radius at infinite frequency"""
+    solver: SolverName
+    """"factor" or "iterative", by default what takes less time"""
 
 
 class Part:
@@ -305,28 +322,17 @@ class Part:
         self,
         step: float | None = None,
         duration: float | None = None,
-        *,
-        band: float | None = None,
-        method: Method = "auto",
-        modes: int | None = None,
-        tolerance: float | None = None,
-        rho_inf: float | None = None,
-        solver: SolverName = "auto",
+        **impulse: Unpack[ImpulseOptions],
     ) -> preprocess.Body:
         """The part with the impulse responses that are asked for, as a body file has it.
 
         The parameters are those of `superelement`.
         """
-        asked: dict[str, Any] = {"step": step, "band": band, "modes": modes}
-        asked |= {"tolerance": tolerance, "rho_inf": rho_inf}
+        asked: dict[str, Any] = {"step": step, **impulse}
         if step is not None:
             asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
-        if method != "auto":
-            asked["method"] = method
-        if solver != "auto":
-            asked["solver"] = solver
-        table, impulse = dict(self._table), self._table.get("impulse")
-        known = {} if impulse is None else impulse.model_dump(exclude_unset=True)
+        table, read = dict(self._table), self._table.get("impulse")
+        known = {} if read is None else read.model_dump(exclude_unset=True)
         table["impulse"] = known | {key: value for key, value in asked.items() if value is not None}
         if "step" not in table["impulse"]:
             raise preprocess.BodyError(
@@ -342,13 +348,8 @@ class Part:
         step: float | None = None,
         duration: float | None = None,
         *,
-        band: float | None = None,
-        method: Method = "auto",
-        modes: int | None = None,
-        tolerance: float | None = None,
-        rho_inf: float | None = None,
-        solver: SolverName = "auto",
         progress: bool = False,
+        **impulse: Unpack[ImpulseOptions],
     ) -> Superelement:
         """The superelement of the part, for `Mechanism.add`.
 
@@ -358,12 +359,10 @@ class Part:
             The time step of its impulse responses; runs may take other ones.
         duration : float [s]
             Of the impulse responses as they are sampled. Motions may last as long as they like.
-        band : float [Hz]
-            Up to where it is to be right, half the Nyquist frequency of the step unless given.
-        method, modes, tolerance, rho_inf, solver
-            As the keys of `[impulse]` in body files.
         progress : bool
             Show on the terminal what is being done.
+        **impulse
+            `ImpulseOptions`: band, method, modes, tolerance, rho_inf, solver.
 
         Returns
         -------
@@ -380,16 +379,7 @@ class Part:
         PlausibilityWarning
             Of each thing that looks like a mistake: units, sizes, elements that are too stiff.
         """
-        body = self.body(
-            step,
-            duration,
-            band=band,
-            method=method,
-            modes=modes,
-            tolerance=tolerance,
-            rho_inf=rho_inf,
-            solver=solver,
-        )
+        body = self.body(step, duration, **impulse)
         told = list(preprocess.doubts_of_body(body))
         built = preprocess.build(body, progress=progress, on_warning=told.append)
         for doubt in told:
@@ -414,10 +404,17 @@ class Part:
         return f"<p>{html.escape(repr(self))}</p>{embedded(self.draw()._repr_png_())}"
 
     def write(
-        self, path: str | os.PathLike[str], step: float | None = None, duration: float | None = None
+        self,
+        path: str | os.PathLike[str],
+        step: float | None = None,
+        duration: float | None = None,
+        **impulse: Unpack[ImpulseOptions],
     ) -> None:
-        """Write a body file for `duhamel preprocess`; a mesh in memory is written beside it."""
-        preprocess.write_body(self.body(step, duration), path)
+        """Write a body file for `duhamel preprocess`; a mesh in memory is written beside it.
+
+        The other parameters are those of `superelement`.
+        """
+        preprocess.write_body(self.body(step, duration, **impulse), path)
 
     def _add(self, table: str, name: str, entry: dict[str, Any]) -> None:
         entries = dict(self._table.get(table, {}))

@@ -29,12 +29,13 @@ def test_a_part_is_written_as_a_body_file_that_makes_the_same_superelement(tmp_p
     part.sensor("gauge", [0.5, 0.05, 0.1], direction=[1, 0, 0])
     part.damping(modal=0.01)
     part.recover()
-    part.write(tmp_path / "bar.toml", step=2e-5, duration=1e-3)
+    part.write(tmp_path / "bar.toml", step=2e-5, duration=1e-3, band=2e3, tolerance=1e-7)
     body = preprocess.read_body(tmp_path / "bar.toml")
+    assert (body.impulse.band, body.impulse.tolerance) == (2e3, 1e-7)
     assert body.impulse.steps == 50
     assert body.mesh == tmp_path / "bar.vtu"
     from_file = preprocess.build(body)
-    in_memory = part.superelement(step=2e-5, duration=1e-3)
+    in_memory = part.superelement(step=2e-5, duration=1e-3, band=2e3, tolerance=1e-7)
     np.testing.assert_array_equal(from_file.compliance, in_memory.compliance)
     np.testing.assert_array_equal(from_file.kernel.g, in_memory.kernel.g)
     np.testing.assert_array_equal(from_file.recovery.phi, in_memory.recovery.phi)
