@@ -58,11 +58,12 @@ def _shade_beyond(axes: Axes, curves: Sequence[Curve]) -> None:
     """Shade frequencies beyond the band of the superelement that first ends."""
     left, right = axes.get_xlim()
     band = min(curve.band for curve in curves)
-    if band < right:
+    # The margin of the axis holds no values, and would be marked alone.
+    if band < max(curve.abscissa[-1] for curve in curves if curve.abscissa is not None):
         axes.axvspan(max(band, left), right, color="0.92", zorder=0, linewidth=0)
         axes.set_xlim(left, right)
         axes.annotate(
-            "beyond the band of the superelement",
+            f"shaded beyond {band:.4g} Hz, the band of the superelement",
             (0.995, 0.02),
             xycoords="axes fraction",
             ha="right",

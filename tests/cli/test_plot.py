@@ -297,3 +297,8 @@ def test_spectra_beyond_the_band_of_a_superelement_are_marked(runner, element, t
     (axes,) = draw(results.time, [curves(results, asked)]).axes
     (shade,) = axes.patches
     assert shade.get_x() == 40.0
+    (curve,) = curves(results, asked.replace("to=200", "to=40"))
+    (axes,) = draw(results.time, [[replace(curve, band=39.6)]]).axes
+    assert curve.abscissa[-1] < 39.6 < axes.get_xlim()[1]
+    assert not axes.patches
+    assert not axes.texts
