@@ -25,6 +25,8 @@ from .validity import LinearValidity
 
 # of the largest spin: pairs of modes at rest, which coincide, are told apart there
 NEGLIGIBLE_SPIN = 1e-8
+# of the largest spin: at rest modes of unequal planes whirl neither way, but here they do
+LEAST_WHIRLING_SPIN = 1e-4
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
 # of the axis in the motion of a mode; below, it does not whirl
@@ -122,6 +124,11 @@ def campbell(
             linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
             found.append(_slowest_in_space(linear, modes))
             work.advance()
+        slow = LEAST_WHIRLING_SPIN * float(speeds[-1])
+        if speeds[0] < slow:
+            turning = linearize(model, SteadyRotation(slow * axis, rotation.center))
+            whirling = _slowest_in_space(turning, modes)[0]
+            found[0] = _whirling_alike(found[0][0], whirling), found[0][1]
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
     highest = [frequency for point in points for _, frequency, _ in point]
@@ -150,6 +157,15 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
             break
         asked *= 2
     return points, bool(modes.unstable.any())
+
+
+def _whirling_alike(points: Sequence[Point], whirling: Sequence[Point]) -> list[Point]:
+    """Points at rest with the whirl that they take as soon as the mechanism turns, by their order.
+
+    A mode at rest in one of two unequal planes is half forward, half backward; its line goes on
+    with one of them.
+    """
+    return [(of[0], *point[1:]) for point, of in zip(points, whirling, strict=True)]
 
 
 def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:

@@ -412,6 +412,41 @@ def test_a_rotation_whose_equations_are_not_constant_is_refused():
     linearize(rotor(gravity=[-9.81, 0, 0]), spinning)
 
 
+@pytest.mark.parametrize("turned", [0.25 * np.pi, -0.25 * np.pi])
+def test_lines_of_unequal_planes_begin_at_rest_where_they_go_on(turned):
+    """Springs that turn with the hub: the softer plane is forward, the stiffer one backward.
+
+    At rest a dashpot across both planes alone decides which way the disk moves round, by little.
+    """
+    bodies = {
+        "hub": RigidBody(1.0, [0.01] * 3, {"seat": Frame(), "oblique": Frame([0] * 3, turned * X)}),
+        "disk": RigidBody(MASS, [POLAR, DIAMETRAL, DIAMETRAL], {"center": Frame()}),
+    }
+    ends = [("hub.seat", "disk.center"), ("hub.oblique", "disk.center")]
+    shaft = Spring("shaft", "bushing", ends[0], stiffness=[1e7, 5e4, 8e4, 1e6, 1e6, 1e6])
+    oblique = {"stiffness": [1e-9] * 6, "damping": [0.0, 1e-3, 0.0, 0.0, 0.0, 0.0]}
+    dashpot = Spring("dashpot", "bushing", ends[1], **oblique)
+    model = model_of(
+        bodies,
+        (Revolute("ground", "hub.seat", X, name="bearing"),),
+        springs=(shaft, dashpot),
+        start="equilibrium",
+        steady_rotation=SteadyRotation(X),
+        step=1e-3,
+    )
+    spins = np.array([0.0, 10.0, 20.0, 30.0])
+    soft, stiff = np.array([5e4, 8e4]) / MASS
+    squares = [
+        np.roots([1.0, -(soft + stiff + 2.0 * w**2), (soft - w**2) * (stiff - w**2)]) for w in spins
+    ]
+    slow, fast = np.sqrt(np.sort(squares, axis=1)).T
+    diagram = campbell(model, spins, modes=2)
+    assert [line.whirl for line in diagram.lines] == ["forward", "backward"]
+    expected = np.array([slow + spins, fast - spins]) / (2.0 * np.pi)
+    found = [line.frequencies for line in diagram.lines]
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
 def test_a_campbell_diagram_needs_an_axis():
     model = rotor(start="given", steady_rotation=None)
     with pytest.raises(ModelError, match="simulation: a Campbell diagram needs the axis"):
