@@ -23,6 +23,8 @@ LEGEND_LINE = 0.17
 """[inch]"""
 BEYOND_ORDERS = 1.25
 """frequencies that are drawn, over those that engine orders reach"""
+TOP_MARGIN = 1.08
+"""top of a diagram over its highest frequency"""
 MARKS = {"forward": "-", "backward": "--", "none": ":"}
 """lines of the kinds of whirl"""
 
@@ -87,8 +89,11 @@ def draw_campbell(
     turns = spins / (2.0 * np.pi)
     with style():
         highest = _band_of_interest(spins, lines, orders)
+        top = TOP_MARGIN * highest
         named: set[str] = set()
         for line in lines:
+            if np.nanmin(line.frequencies) > top:
+                continue
             label = line.whirl if line.whirl not in named else None
             label = {"none": "no whirl"}.get(line.whirl, line.whirl) if label else None
             named.add(line.whirl)
@@ -108,7 +113,7 @@ def draw_campbell(
             )
         for spin, frequency in crossings:
             axes.plot(spin / (2.0 * np.pi), frequency, "o", color="0.2", markersize=4)
-        axes.set_ylim(0.0, 1.08 * highest)
+        axes.set_ylim(0.0, top)
         axes.set_xlabel("spin [turns per second]")
         axes.set_ylabel("frequency [Hz]")
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

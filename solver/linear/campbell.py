@@ -27,6 +27,8 @@ from .validity import LinearValidity
 NEGLIGIBLE_SPIN = 1e-8
 # of the largest spin: at rest modes of unequal planes whirl neither way, but here they do
 LEAST_WHIRLING_SPIN = 1e-4
+# of a frequency in space over that of the spin; gyroscopic moments of a thin disk make it two
+MAX_CHANGE_PER_SPIN = 4.0
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
 # of the axis in the motion of a mode; below, it does not whirl
@@ -127,8 +129,9 @@ def campbell(
         slow = LEAST_WHIRLING_SPIN * float(speeds[-1])
         if speeds[0] < slow:
             turning = linearize(model, SteadyRotation(slow * axis, rotation.center))
-            whirling = _slowest_in_space(turning, modes)[0]
-            found[0] = _whirling_alike(found[0][0], whirling), found[0][1]
+            whirling, _ = _slowest_in_space(turning, 2 * modes)
+            still, grows_at_rest = found[0]
+            found[0] = _whirling_alike(still, whirling, slow), grows_at_rest
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
     highest = [frequency for point in points for _, frequency, _ in point]
@@ -159,13 +162,26 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
     return points, bool(modes.unstable.any())
 
 
-def _whirling_alike(points: Sequence[Point], whirling: Sequence[Point]) -> list[Point]:
-    """Points at rest with the whirl that they take as soon as the mechanism turns, by their order.
+def _whirling_alike(points: Sequence[Point], whirling: Sequence[Point], spin: float) -> list[Point]:
+    """Points at rest with the whirl of those nearest to them at a small spin.
 
     A mode at rest in one of two unequal planes is half forward, half backward; its line goes on
     with one of them.
     """
-    return [(of[0], *point[1:]) for point, of in zip(points, whirling, strict=True)]
+    from scipy.optimize import linear_sum_assignment
+
+    near = MAX_CHANGE_PER_SPIN * spin / (2.0 * np.pi)
+    at_rest = [k for k, point in enumerate(points) if point[0] != NONE]
+    others = [point for point in whirling if point[0] != NONE]
+    apart = np.abs(
+        np.subtract.outer([points[k][1] for k in at_rest], [point[1] for point in others])
+    )
+    found = list(points)
+    for row, column in zip(*linear_sum_assignment(np.minimum(apart, near)), strict=True):
+        if apart[row, column] < near:
+            k = at_rest[row]
+            found[k] = (others[column][0], *points[k][1:])
+    return found
 
 
 def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
