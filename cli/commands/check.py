@@ -63,6 +63,7 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
     from rich.console import Console
 
     from ... import preprocess, superelement
+    from ...files.progress import Progress, Work
     from ..checked import checks_table, failures
 
     with errors_in_one_line(superelement):
@@ -74,7 +75,8 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
         else:
             body = preprocess.read_body(body_file)
         if body is not None:
-            checks.append(preprocess.static_check(element, body))
+            with Progress(Work("static solution of the mesh")):
+                checks.append(preprocess.static_check(element, body))
     Console().print(checks_table(element.name, checks))
     failed = failures(checks)
     for line in failed:

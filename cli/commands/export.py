@@ -118,7 +118,8 @@ def export(
         written = EXPORTS[to].write(asked)
     for path in written:
         typer.echo(one_line(f"{path}: {path.stat().st_size / 1e6:.3g} MB"))
-    typer.echo(one_line(f"{len(written)} files, {perf_counter() - begin:.1f} s"))
+    files_written = f"{len(written)} file{'s' if len(written) > 1 else ''}"
+    typer.echo(one_line(f"{files_written}, {perf_counter() - begin:.1f} s"))
 
 
 # Typer reads the help of a command from its docstring.
