@@ -307,6 +307,8 @@ class FileWriter:
 
     def leave(self) -> None:
         self._close()
+        if self.committed.rows == 0:  # such a file shows nothing
+            self.place.unlink(missing_ok=True)
         self._journal.close()
 
     def _drop(self, extent: Extent, model: str, notes: Mapping[str, Any]) -> None:
@@ -344,7 +346,8 @@ class FileWriter:
             with _failures_named(self.place):
                 yield
         except ResultsError as error:
-            raise ResultsError(f"{error}; {self.committed.rows} rows are in it") from error
+            kept = f"; {self.committed.rows} rows are in it" if self.committed.rows else ""
+            raise ResultsError(f"{error}{kept}") from error
 
     def _close(self) -> None:
         """Close without writing: what is not committed is lost."""

@@ -381,6 +381,25 @@ def test_a_full_disk_is_one_line_and_keeps_what_was_written(room, tmp_path):
     np.testing.assert_array_equal(Results.read(path).body("b0").x, output.body_position[:3, 0])
 
 
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_run_that_wrote_no_row_leaves_no_file(earlier, tmp_path):
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 4000)
+    if earlier:
+        write(path, contents, output, (3,)).finish()
+    writer = FileWriter(path, contents, NOTES, "model", 4000)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (writer.place.stat().st_size, limits[1]))
+    try:
+        with pytest.raises(ResultsError, match=r"written: File too large$"):
+            writer.append(batch(output, 0, 4000))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    writer.leave()
+    assert [entry.name for entry in tmp_path.iterdir()] == (["out.h5"] if earlier else [])
+    assert not earlier or len(Results.read(path).time) == 3
+
+
 def test_a_link_is_followed(tmp_path):
     path, link, contents = tmp_path / "out.h5", tmp_path / "link.h5", make_contents()
     link.symlink_to(path)
