@@ -1,0 +1,225 @@
+"""Records of contacts of surfaces: of flexible bodies, by their nodes, against shapes.
+
+The code is in step/surfaces.py and step/complementarity.py.
+"""
+
+from ...arrays import Array, Index
+from ...compiler.struct import Struct, array
+
+
+class Patches(Struct):
+    """Surfaces in contacts: their nodes, rows and points of integration, patch by patch.
+
+    A row belongs to a corner of facets; with w of a point, dual functions psi and shape functions N
+
+        y_i = 1/A_i sum_q w_q psi_i(q) g_q,   x_q = sum_k N_k(q) x_k
+    """
+
+    body: Index = array("n_patches")
+    """body of each patch"""
+    owner: Index = array("n_patches")
+    """`SurfaceBodies` of each patch"""
+    node: Index = array("n_patches_1")
+    """first node of each patch"""
+    row: Index = array("n_patches_1")
+    """first row of each patch"""
+    point: Index = array("n_patches_1")
+    """first point of each patch"""
+    center: Array = array("n_patches", 3)
+    """center of a sphere around the patch, from the center of mass, in body axes [m]"""
+    radius: Array = array("n_patches")
+    """its radius [m]"""
+    X: Array = array("n_nodes", 3)
+    """nodes from the center of mass, in body axes [m]"""
+    area: Array = array("n_rows")
+    """A_i, the area of each row [m^2]"""
+    width: int
+    """numbers of nodes of a facet, the most of all"""
+    nodes: Index = array("n_points", 9)
+    """nodes of the facet of each point, -1 behind the last"""
+    N: Array = array("n_points", 9)
+    """shape functions of these nodes at the point"""
+    rows: Index = array("n_points", 4)
+    """rows of the facet of each point, -1 behind the last"""
+    weight: Array = array("n_points", 4)
+    """w psi_i / A_i of these rows"""
+    row_point: Index = array("n_rows_1")
+    """first entry of each row in `point_of_row`"""
+    point_of_row: Index = array("n_row_points")
+    """points of the facets around each row"""
+    weight_of_row: Array = array("n_row_points")
+    """weight of the row at each of these points"""
+    slot_of_row: Index = array("n_row_points", 9)
+    """place of each node of the point in `support`, from the first of the row on"""
+    support_range: Index = array("n_rows_1")
+    """first entry of each row in `support`"""
+    support: Index = array("n_supports")
+    """nodes of the facets around each row"""
+
+
+class SurfaceBodies(Struct):
+    """The elastic motion of the surfaces of flexible bodies.
+
+    At their nodes, with free motion eta of the modes, displacements u of the active dofs and their
+    history, and forces f of the contacts:
+
+        u_C = phi eta + T (u - history) + G f
+        T = G_CJ G_JJ^-1,   G = G_CC - T G_JC,   G_CC = phi (beta h^2 / S) phi^T + F
+    """
+
+    flexible: Index = array("n_bodies")
+    """flexible body of each"""
+    node: Index = array("n_bodies_1")
+    """first node of each"""
+    phi: Array = array("n")
+    """mode shapes (3 n, m) at the nodes, one body after the other; bodies may share one"""
+    phi_start: Index = array("n_bodies")
+    """first entry of each body in `phi`"""
+    T: Array = array("n")
+    """displacements (3 n, n_a) by those of the active dofs, one body after the other"""
+    T_start: Index = array("n_bodies")
+    """first entry of each body in `T`"""
+    G: Array = array("n")
+    """compliances (3 n, 3 n) with the active dofs held, one body after the other"""
+    G_start: Index = array("n_bodies")
+    """first entry of each body in `G`"""
+    reach: Array = array("n_bodies")
+    """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
+
+
+class SurfaceContacts(Struct):
+    """Contacts of patches with shapes that frames carry."""
+
+    patch: Index = array("n_contacts")
+    """patch of each contact"""
+    frame: Index = array("n_contacts")
+    """frame that carries the shape"""
+    shape: Index = array("n_contacts")
+    """number of the shape"""
+    side: Array = array("n_contacts")
+    """1: outside of the shape, -1: inside"""
+    axis: Array = array("n_contacts", 3)
+    """axis of the shape, in the axes of its frame"""
+    across: Array = array("n_contacts", 3)
+    """axis across it, in the axes of its frame"""
+    first: Index = array("n_contacts_1")
+    """first parameter of each shape"""
+    parameters: Array = array("n_parameters")
+    """parameters of the shapes"""
+    margin: Array = array("n_contacts")
+    """gap below which a row may close in a step [m]; not a number: twice its motion in the step"""
+    layer: Array = array("n_contacts")
+    """compliance of a layer, per area [m^3/N]; 0: none"""
+    row: Index = array("n_contacts_1")
+    """first row of each contact, among those of all contacts"""
+    point: Index = array("n_contacts_1")
+    """first point of each contact, among those of all contacts"""
+    support: Index = array("n_contacts_1")
+    """first support of each contact, among those of all contacts"""
+    island_range: Index = array("n_islands_1")
+    """first entry of each island in `island`"""
+    island: Index = array("n_contacts")
+    """contacts by island: those that share flexible bodies are solved for together"""
+    coordinate: Index = array("n_contacts", 2)
+    """first coordinate, among those of the island, of the body of the patch and of the frame; -1:
+    the frame is fixed in space"""
+    body_range: Index = array("n_islands_1")
+    """first entry of each island in `body`"""
+    body: Index = array("n_island_bodies")
+    """bodies of each island"""
+    body_coordinate: Index = array("n_island_bodies")
+    """first coordinate of each among those of its island"""
+    body_width: Index = array("n_island_bodies")
+    """number of coordinates of each"""
+    coordinates: Index = array("n_islands")
+    """number of coordinates of each island"""
+    stiffness_start: Index = array("n_islands")
+    """first number of each island in `SurfaceWork.stiffness`"""
+    block_range: Index = array("n_islands_1")
+    """first block of each island in `Pattern.island_block`"""
+
+
+class Surfaces(Struct):
+    """Contacts of surfaces, and what is known of these."""
+
+    patches: Patches
+    bodies: SurfaceBodies
+    contacts: SurfaceContacts
+
+
+class SurfaceState(Struct):
+    """What a step takes from the one before about contacts of surfaces."""
+
+    force: Array = array("n_contact_rows")
+    """normal force of each row [N]"""
+    gap: Array = array("n_contact_rows")
+    """weighted gap y of each row [m]; not a number: too far to be known"""
+    load: Array = array("n_nodes", 3)
+    """forces on the nodes, in body axes [N]"""
+    u: Array = array("n_nodes", 3)
+    """elastic displacements of the nodes of bodies near a contact, in body axes [m]"""
+    modal_load: Array = array("n_m")
+    """loads of contacts on the modes"""
+    normal: Array = array("n_contact_rows", 3)
+    """mean normal of each row, in body axes"""
+
+
+class SurfaceWork(Struct):
+    """Scratch of contacts of surfaces."""
+
+    looks: Index = array(1)
+    """times that tangent planes were laid in this step; -1: contacts do not act yet"""
+    near: Index = array("n_contacts")
+    """1: the patch may meet the shape in this step"""
+    awake: Index = array("n_bodies")
+    """1: `free` is known for this step"""
+    eta_n: Array = array("n_m")
+    """modal coordinates at the start of the step"""
+    modal_load_n: Array = array("n_m")
+    """loads of contacts on the modes at the start of the step"""
+    modal_step: Array = array("n_m")
+    """modal coordinates that the loads of contacts cause within the step"""
+    free: Array = array("n_nodes", 3)
+    """displacements of the nodes by the free motion of the modes [m]"""
+    base: Array = array("n_nodes", 3)
+    """displacements of the nodes without the forces of contacts, in body axes [m]"""
+    by_load: Array = array("n_nodes", 3)
+    """displacements G f of the nodes by the forces of contacts, in body axes [m]"""
+    plane: Array = array("n_contact_points", 4)
+    """tangent plane of each point, normal and offset, in the axes of the frame of the shape"""
+    gap: Array = array("n_contact_rows")
+    """weighted gap of each row without the forces of contacts [m]"""
+    gradient: Array = array("n_contact_supports", 3)
+    """b, the gradient of the gap of a row by the motion of each node around it, in body axes"""
+    closed: Index = array("n_contact_rows")
+    """1: the row is closed"""
+    closed_in_matrix: Index = array("n_contact_rows")
+    """1: it was when Newton's matrix was made"""
+    candidate: Index = array("n_most_rows")
+    """rows of an island that may be closed, among those of all contacts"""
+    contact: Index = array("n_most_rows")
+    """contact of each candidate"""
+    active: Index = array("n_most_rows")
+    """candidates that are closed"""
+    order: Index = array("n_most_rows")
+    """closed candidates, in the order of `factor`"""
+    lam: Array = array("n_most_rows")
+    """forces of the candidates [N]"""
+    y: Array = array("n_most_rows")
+    """gaps of the candidates [m]"""
+    q: Array = array("n_most_rows")
+    """gaps of the candidates without forces [m]"""
+    W: Array = array("n_most_rows", "n_most_rows")
+    """gaps of the candidates by forces on them [m/N]"""
+    factor: Array = array("n_most_rows", "n_most_rows")
+    """Cholesky's factor of the rows and columns of W that are closed"""
+    D: Array = array("n_most_rows", "n_most_coordinates")
+    """derivatives of the gaps of closed rows by the coordinates of the bodies of an island"""
+    stiffness: Array = array("n_stiffness")
+    """D^T W^-1 D (coordinates, coordinates) of each island, one after the other"""
+    column: Array = array("n_most_displacements")
+    """displacements of the nodes of a body by one row"""
+    interface_load: Array = array("n_a")
+    """T^T f, the loads of contacts as loads on active dofs [N, N m]"""
+    wrench: Array = array(24)
+    """generalized forces on the coordinates of a frame"""
