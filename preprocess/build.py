@@ -10,7 +10,7 @@ import numpy as np
 from ..files import in_one_line
 from ..files.blas import one_blas_thread
 from ..files.memory import available
-from ..superelement import Provenance, Rotation, Superelement
+from ..superelement import Provenance, Rotation, Superelement, Surfaces
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
@@ -133,6 +133,11 @@ def superelement_of(
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
             recovery = recover(body, source, structure, responses.shapes)
+    surfaces = None
+    if structure.surfaces is not None and responses.shapes is not None:
+        assert responses.surface_compliance is not None
+        phi = responses.shapes(structure.surfaces.rows)
+        surfaces = Surfaces(structure.surfaces.surfaces, phi, responses.surface_compliance)
     rotation = None
     if second is not None:
         with stages.stage("rotation"):
@@ -160,6 +165,7 @@ def superelement_of(
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),
+        surfaces=surfaces,
     )
 
 
@@ -170,7 +176,7 @@ def doubts_of_responses(body: Body, responses: ImpulseResponses) -> Iterator[str
     modes, found, asked = responses.modes, responses.kernel.error, body.impulse.tolerance
     if modes is not None and len(modes.omega):
         yield from doubts_of_frequencies(body, float(modes.frequencies.min()))
-    if responses.method == "krylov" and found > asked:
+    if responses.method in ("krylov", "lanczos") and found > asked:
         yield (
             f"impulse.tolerance: the stated error is {found:.1e} where {asked:g} was asked for: "
             "the rounding of a stiffness whose elements are far stiffer than the body, as short "

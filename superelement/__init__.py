@@ -16,6 +16,7 @@ from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
 from .superelement import Provenance, StepWarning, Superelement
+from .surfaces import Surface, Surfaces
 from .validation import SuperelementError
 
 __all__ = [
@@ -35,6 +36,8 @@ __all__ = [
     "StepWarning",
     "Superelement",
     "SuperelementError",
+    "Surface",
+    "Surfaces",
     "check",
     "read",
     "require_writable",

@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 5; files of versions 1 to 4 are read too.
+"""The HDF5 file of a superelement, schema version 6; files of versions 1 to 5 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 from ..files import object_and_path, renamed_when_whole
 from ..files.arrays import Array
-from ..files.hdf5 import opened
+from ..files.hdf5 import decoded, opened
 from ..files.outputs import AnyPath, in_words, resolved
 from .chain import Chain
 from .channels import Channels
@@ -47,10 +47,11 @@ from .rotation import N_INERTIA_CHANGES, Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
 from .superelement import Provenance, Superelement
+from .surfaces import Surface, Surfaces
 from .validation import SuperelementError
 
 SUPERELEMENT_FORMAT = "duhamel-superelement"
-SUPERELEMENT_VERSION = 5
+SUPERELEMENT_VERSION = 6
 # Version 1 has the accelerance under another name.
 ACCELERANCE_DATASETS = {1: "static/mobility"} | dict.fromkeys(
     range(2, SUPERELEMENT_VERSION + 1), "static/accelerance"
@@ -61,6 +62,7 @@ FIRST_WITH_ROTATION = 3
 FIRST_WITH_CHAIN = 4
 FIRST_WITH_CHANNELS = 4
 FIRST_WITH_OUTLINE = 5
+FIRST_WITH_SURFACES = 6
 # The digest of rigid properties and positions of interfaces, which nothing else in the file can
 # confirm.
 PLACEMENT_ATTRIBUTE = "sha256"
@@ -143,7 +145,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement file of versions 1 to 5; unknown groups are ignored.
+    """Read and validate a superelement file of versions 1 to 6; unknown groups are ignored.
 
     Parameters
     ----------
@@ -210,6 +212,8 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         _put_rotation(file, body.rotation)
     if body.channels is not None:
         _put_channels(file.create_group("channels"), body.channels)
+    if body.surfaces is not None:
+        _put_surfaces(file, body.surfaces)
     put(file, "static/compliance", body.compliance, "m/N, rad/N, rad/(N m)")
     put(
         file,
@@ -284,6 +288,20 @@ def _put_channels(parent: h5py.Group, channels: Channels) -> None:
         put(parent, "accelerance", channels.accelerance, "of the same")
 
 
+def _put_surfaces(file: h5py.File, surfaces: Surfaces) -> None:
+    put(file, "modes/phi_surface", surfaces.phi, "1/sqrt(kg)")
+    put(file, "static/surface", surfaces.H, "m/N")
+    for patch in surfaces.patches:
+        parent = file.create_group(f"surfaces/{patch.name}")
+        # HDF5 lists groups by name: the first row of each keeps their order.
+        parent.attrs.update(facet_type=patch.facet_type, row=surfaces.rows(patch.name).start)
+        parent.create_dataset("nodes", data=patch.nodes)
+        parent.create_dataset("facets", data=patch.facets)
+        put(parent, "points", patch.X, "m")
+        put(parent, "normals", patch.normals, "1")
+        put(parent, "area", patch.area, "m^2")
+
+
 def _put_chain(parent: h5py.Group, chain: Chain) -> None:
     put(parent, "tau", chain.tau, "s")
     put(parent, "amplitude", chain.amplitude, "1")
@@ -356,6 +374,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         channels=_channels(file, n_c, kernel) if version >= FIRST_WITH_CHANNELS else None,
         provenance=_provenance(file),
         outline=_outline(file) if version >= FIRST_WITH_OUTLINE else None,
+        surfaces=_surfaces(file) if version >= FIRST_WITH_SURFACES else None,
     )
     _check_rows(file, body)
     require_sound(body)
@@ -411,10 +430,18 @@ def _check_placement(file: h5py.File, body: Superelement) -> None:
 
 
 def _placement_digest(body: Superelement) -> str:
-    """The SHA-256 of mass, inertia, center of mass, and of positions and kinds of interfaces."""
+    """The SHA-256 of mass, inertia and center of mass, of positions and kinds of interfaces, and of
+    the geometry of surfaces.
+    """
     X = [interface.X for interface in body.interfaces]
     rotations = [interface.rotations for interface in body.interfaces]
-    values = np.concatenate([[body.mass], body.J_rot.ravel(), body.center, *X, rotations])
+    patches = () if body.surfaces is None else body.surfaces.patches
+    drawn = [
+        part
+        for patch in patches
+        for part in (patch.X.ravel(), patch.facets.ravel(), patch.normals.ravel(), [patch.area])
+    ]
+    values = np.concatenate([[body.mass], body.J_rot.ravel(), body.center, *X, rotations, *drawn])
     return hashlib.sha256(values.astype("<f8").tobytes()).hexdigest()
 
 
@@ -537,6 +564,39 @@ def _channels(file: h5py.File, n_c: int, kernel: Kernel) -> Channels | None:
         compliance=numbers(file, "channels/compliance", n, n),
         accelerance=numbers(file, "channels/accelerance", n, n),
     )
+
+
+def _surfaces(file: h5py.File) -> Surfaces | None:
+    if "surfaces" not in file:
+        return None
+    parent = group(file, "surfaces")
+    labels = [decoded("the name of a surface", label) for label in parent]
+    first = {label: number(group(parent, label), "row") for label in labels}
+    patches = tuple(
+        Surface(
+            name=label,
+            nodes=dataset(parent, f"{label}/nodes", "n"),
+            X=numbers(parent, f"{label}/points", "n", 3),
+            facets=dataset(parent, f"{label}/facets", "n", "k"),
+            facet_type=text(group(parent, label), "facet_type"),
+            normals=numbers(parent, f"{label}/normals", "n", 3),
+            area=scalar(parent, f"{label}/area"),
+        )
+        for label in sorted(labels, key=first.__getitem__)
+    )
+    rows = 3 * sum(patch.n for patch in patches)
+    surfaces = Surfaces(
+        patches,
+        phi=numbers(file, "modes/phi_surface", rows, "m"),
+        H=numbers(file, "static/surface", rows, rows),
+    )
+    for patch in patches:
+        if surfaces.rows(patch.name).start != first[patch.name]:
+            raise SuperelementError(
+                f"surfaces/{patch.name}: row: expected {surfaces.rows(patch.name).start}, found "
+                f"{first[patch.name]:g}"
+            )
+    return surfaces
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

@@ -19,6 +19,7 @@ from .recovery import Recovery
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
+from .surfaces import Surface, Surfaces
 from .validation import SuperelementError, check_positive, check_symmetric, checked
 
 
@@ -85,6 +86,8 @@ class Superelement:
         Where it comes from.
     outline : Outline, optional
         What it looks like; None where that is not known, as of matrices of another program.
+    surfaces : Surfaces, optional
+        What other bodies may touch, node by node.
 
     Raises
     ------
@@ -121,6 +124,7 @@ class Superelement:
     channels: Channels | None = None
     provenance: Provenance = field(default_factory=Provenance)
     outline: Outline | None = None
+    surfaces: Surfaces | None = None
 
     def __post_init__(self) -> None:
         if not (self.name and self.name.isprintable()):
@@ -147,6 +151,8 @@ class Superelement:
             self._check_rotation(self.rotation, n_c)
         if self.channels is not None:
             self._check_channels(self.channels, n_c)
+        if self.surfaces is not None:
+            self._check_surfaces(self.surfaces)
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
@@ -192,8 +198,8 @@ class Superelement:
 
         or the largest distance between interfaces, if that is longer.
         """
-        points = np.array([interface.X for interface in self.interfaces])
-        apart = np.linalg.norm(points[:, None] - points, axis=2).max()
+        points = np.array([interface.X for interface in self.interfaces]).reshape(-1, 3)
+        apart = np.linalg.norm(points[:, None] - points, axis=2).max(initial=0.0)
         bar = np.sqrt(12.0 * np.linalg.eigvalsh(self.J_rot)[-1] / self.mass)
         return float(max(bar, apart))
 
@@ -218,6 +224,21 @@ class Superelement:
         if both := [name for name in names if name in taken]:
             raise SuperelementError(
                 f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
+            )
+
+    def _check_surfaces(self, surfaces: Surfaces) -> None:
+        if self.modes is None:
+            raise SuperelementError("surfaces: expected a body with modes, found none")
+        if surfaces.phi.shape[1] != len(self.modes.omega):
+            raise SuperelementError(
+                f"surfaces: phi: expected {len(self.modes.omega)} columns, one per mode, "
+                f"found {surfaces.phi.shape[1]}"
+            )
+        taken = {part.name for part in (*self.interfaces, *self.patterns, *self.sensors)}
+        if both := [patch.name for patch in surfaces.patches if patch.name in taken]:
+            raise SuperelementError(
+                "surfaces: expected other names than those of interfaces, patterns and sensors, "
+                f"found {both[0]}"
             )
 
     @property
@@ -269,6 +290,12 @@ class Superelement:
     def interface(self, name: str) -> Interface:
         """The interface of a name; `SuperelementError` lists the names where there is none."""
         return self.interfaces[self._index(name)]
+
+    def surface(self, name: str) -> Surface:
+        """The surface of a name; `SuperelementError` lists the names where there is none."""
+        if self.surfaces is None:
+            raise SuperelementError(f"{self.name}: no surface {name!r}; it has none")
+        return self.surfaces.surface(name)
 
     def rows(self, name: str) -> slice:
         """The rows of an interface in kernel, modes, compliance and accelerance."""

@@ -15,7 +15,7 @@ from duhamel.preprocess.body.body import Method, PointMass, SolverName
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
-from duhamel.preprocess.body.selection import InterfaceSelection, Selection
+from duhamel.preprocess.body.selection import InterfaceSelection, Selection, SurfaceSelection
 from duhamel.preprocess.body.sensors import SensorPoint
 from duhamel.preprocess.mesh.in_memory import mesh_of
 from duhamel.superelement import Superelement
@@ -29,6 +29,7 @@ Where = Selection | str | ArrayLike
 """a selection, the name of a group of the mesh, or a point (3,) [m] for the node nearest to it"""
 TABLE_KINDS: dict[str, type[Table]] = {
     "interfaces": InterfaceSelection,
+    "surfaces": SurfaceSelection,
     "masses": PointMass,
     "loads": LoadPattern,
     "sensors": SensorPoint,
@@ -119,7 +120,9 @@ class Part:
 
     def __repr__(self) -> str:
         interfaces = ", ".join(self._table.get("interfaces", ())) or "none"
-        return f"<Part {self.name!r} on {_named(self._table['mesh'])}, interfaces: {interfaces}>"
+        surfaces = ", ".join(self._table.get("surfaces", ()))
+        held = f"interfaces: {interfaces}" + (f", surfaces: {surfaces}" if surfaces else "")
+        return f"<Part {self.name!r} on {_named(self._table['mesh'])}, {held}>"
 
     def interface(
         self,
@@ -147,6 +150,19 @@ class Part:
         if at is not None:
             selection["at"] = vector(at)
         self._add("interfaces", name, selection)
+
+    def surface(self, name: str, where: Where) -> None:
+        """Add a surface: facets that other bodies may touch, of which all nodes are kept.
+
+        `superelement` then needs a `band`.
+
+        Parameters
+        ----------
+        name : str
+        where
+            Facets of the boundary: a selection, or the name of a group.
+        """
+        self._add("surfaces", name, selection_of(where).model_dump(exclude_unset=True))
 
     def mass(
         self,

@@ -19,7 +19,9 @@ def mass_selections(body: Body) -> dict[str, InterfaceSelection]:
     }
 
 
-def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str, Any]) -> Any:
+def lumped_mass(
+    body: Body, interfaces: Mapping[str, Any], selected: Mapping[str, Any], n_u: int
+) -> Any:
     """The mass matrix (n_u, n_u), sparse, of rigid pieces: sum rows^T diag(m I, J) rows.
 
     `interfaces` and `selected` have rows (3 or 6, n_u) by the names of interfaces, and of the other
@@ -27,7 +29,6 @@ def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str
     the facets alone. As D is exact for rigid motion, so are mass, center of mass and inertia.
     `InterfaceError` for an inertia where nothing rotates.
     """
-    n_u = next(iter(interfaces.values())).shape[1]
     total = sp.csc_array((n_u, n_u))
     for name, mass in body.masses.items():
         rows = selected[name] if mass.interface is None else interfaces[mass.interface]

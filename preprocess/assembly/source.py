@@ -6,10 +6,10 @@ from typing import Any, ClassVar, Protocol
 
 from ...superelement.validation import Array
 from ..body.loads import LoadPattern
-from ..body.selection import InterfaceSelection
+from ..body.selection import InterfaceSelection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.inertia import Moved
-from ..mesh.facets import Facets
+from ..mesh.facets import Facets, Patch
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .interfaces import Attachment
@@ -124,6 +124,10 @@ class Source(Protocol):
 
     def attachment(self, selection: InterfaceSelection) -> Attachment:
         """The frame on the nodes or facets of a selection; `InterfaceError` if it picks none."""
+        ...
+
+    def touched(self, selection: SurfaceSelection) -> Patch:
+        """The facets of the boundary in a selection, by type, outward; `InterfaceError` if none."""
         ...
 
     def forces(self, load: LoadPattern) -> Array:

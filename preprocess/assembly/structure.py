@@ -19,6 +19,7 @@ from .interfaces import Attachment, attachments
 from .masses import lumped_mass, mass_selections
 from .rigid import RigidModes, relieve, rigid_modes
 from .source import Source
+from .surfaces import Patches, selected_surfaces
 from .ties import reduced, tie
 
 RIGID_DOFS = 6  # dofs of a body that cannot deform
@@ -36,7 +37,8 @@ class Structure:
     inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
     rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
     where there are none. turns (3 n, n_u): the rotations of the n points of the source,
-    None where not all of them have rotations. All in mesh axes.
+    None where not all of them have rotations. surfaces: those that other bodies may touch, None
+    where there are none. All in mesh axes.
     processes: where there are several, each has its own rows of vectors (n_u, k), and its own
     columns of P_C.
     """
@@ -53,6 +55,7 @@ class Structure:
     inertia: Array | None = None
     channels: ChannelRows | None = None
     turns: Any | None = None
+    surfaces: Patches | None = None
     processes: Processes = ONE_PROCESS
 
     @property
@@ -143,7 +146,7 @@ def attach(body: Body, source: Source) -> Attached:
         }
         nodes, T, rows = tie(source.nodes, frames)
         selected_rows = {name: frame.rows @ T for name, frame in selected.items()}
-        lumped = _symmetric(lumped_mass(body, rows, selected_rows))
+        lumped = _symmetric(lumped_mass(body, rows, selected_rows, nodes.n_dofs))
     except InterfaceError as error:
         raise InterfaceError(f"{source.name}: {error}") from error
     if nodes.n_dofs <= RIGID_DOFS:
@@ -176,18 +179,20 @@ def assemble_on(body: Body, source: Source) -> Structure:
         check_size(source.name, what, largest_entry(matrix.data))
     rigid = rigid_modes(nodes, M)
     channels = selected_channels(body, source, T)
+    moved = T[source.nodes.displacements.ravel()]
     return Structure(
         nodes=nodes,
         K=K,
         M=M,
         rigid=rigid,
         interfaces=interfaces_of(attached.frames, rigid.center),
-        P_C=sp.vstack(list(attached.rows.values()), format="csr"),
-        T=T[source.nodes.displacements.ravel()],
+        P_C=sp.vstack([sp.csr_array((0, nodes.n_dofs)), *attached.rows.values()], format="csr"),
+        T=moved,
         frames=attached.frames,
         masses=attached.masses,
         channels=None if channels is None else channel_rows(channels, rigid, M),
         turns=_turns(source.nodes, T),
+        surfaces=selected_surfaces(body, source, attached.frames, moved, rigid.center),
     )
 
 

@@ -38,7 +38,7 @@ from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
 from .loads import LoadPattern
 from .material import Material, Section
-from .selection import InterfaceSelection, Selection
+from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
 
 Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
@@ -259,7 +259,8 @@ class Matrices(Table):
 
 
 class Body(Table):
-    """A body file: a mesh with materials or sections, or matrices; interfaces; impulse responses.
+    """A body file: a mesh with materials or sections, or matrices; interfaces, or surfaces of
+    solids; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
@@ -276,7 +277,8 @@ class Body(Table):
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
     materials: dict[str, Material] = Field(default_factory=dict)
-    interfaces: dict[str, InterfaceSelection] = Field(min_length=1)
+    interfaces: dict[str, InterfaceSelection] = Field(default_factory=dict)
+    surfaces: dict[str, SurfaceSelection] = Field(default_factory=dict)
     masses: dict[str, PointMass] = Field(default_factory=dict)
     loads: dict[str, LoadPattern] = Field(default_factory=dict)
     sensors: dict[str, SensorPoint] = Field(default_factory=dict)
@@ -308,13 +310,13 @@ class Body(Table):
             raise ValueError(
                 f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
             )
-        for table in ("interfaces", "masses", "loads", "sensors"):
+        for table in ("interfaces", "surfaces", "masses", "loads", "sensors"):
             for name in getattr(self, table):
                 if not is_name(name):
                     raise ValueError(
                         f"{table}: expected a name of {FORM_OF_NAMES}, found {quoted(name)}"
                     )
-        for table in ("loads", "sensors"):
+        for table in ("surfaces", "loads", "sensors"):
             for name in getattr(self, table):
                 if name in self.interfaces:
                     raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
@@ -335,6 +337,35 @@ class Body(Table):
                 raise ValueError(
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _surfaces_of_solids(self) -> Self:
+        if not (self.interfaces or self.surfaces):
+            raise ValueError("expected [interfaces.NAME] or [surfaces.NAME], found neither")
+        if not self.surfaces:
+            return self
+        for key in ("matrices", "section", "sections"):
+            if getattr(self, key):
+                raise ValueError(f"surfaces: expected a mesh of solids, found {key}")
+        for name in self.surfaces:
+            if name in {*self.loads, *self.sensors}:
+                raise ValueError(f"surfaces: {quoted(name)} is the name of a load or a sensor")
+        impulse = self.impulse
+        if impulse.band is None:
+            raise ValueError(
+                "impulse.band: surfaces need the frequency [Hz] up to which modes are kept, "
+                "found none"
+            )
+        if impulse.method != "auto":
+            raise ValueError(
+                "impulse.method: with surfaces, whose modes are those of the band, expected auto, "
+                f"found {impulse.method}"
+            )
+        if impulse.solver == "iterative":
+            raise ValueError(
+                "impulse.solver: surfaces need a factor: expected auto or factor, found iterative"
+            )
         return self
 
     @model_validator(mode="after")

@@ -199,3 +199,20 @@ class InterfaceSelection(Selection):
                 "found none"
             )
         return self
+
+
+class SurfaceSelection(Selection):
+    """The facets of solids that other bodies may touch: all their nodes, with three dofs each.
+
+    Facets of the boundary in a group, or that lie in shapes as a whole, all of one type.
+    """
+
+    @model_validator(mode="after")
+    def _of_facets(self) -> Self:
+        single = sorted({"node", "nodes", "at"} & self.model_fields_set)
+        if single or not self.selectors:
+            raise ValueError(
+                "expected facets, by one or more of group, plane, box, sphere and cylinder, "
+                f"found {' and '.join(single) or 'none'}"
+            )
+        return self

@@ -1,10 +1,11 @@
 """Impulse responses by the method that a body file names or its size suggests."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
+from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import Body
 from ..body.loss import damping_of
@@ -17,6 +18,7 @@ from .march import march_kernel
 from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
 from .search import krylov_modes
 from .shapes import Shapes
+from .surfaces import surface_responses
 from .truncated import REDUCTIONS, TRUNCATION_ERROR, truncated_modes
 
 
@@ -34,6 +36,8 @@ class ImpulseResponses:
     shapes: Shapes | None = None
     tolerance: float = 0.0
     """the error asked of the method; 0 where it is exact"""
+    surface_compliance: Array | None = None
+    """H (3 n, 3 n) of the nodes of surfaces, None where there are none"""
 
 
 def require_memory(steps: int, n_c: int) -> None:
@@ -61,6 +65,8 @@ def impulse_responses(
     impulse, damping = body.impulse, damping_of(body)
     require_memory(impulse.steps, structure.P_C.shape[0])
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
+    if structure.surfaces is not None:
+        return _with_surfaces(structure, body, stages, parts)
     method = impulse.method
     if method == "auto":
         method = "modal" if structure.n_u <= FULL_MODAL_UNKNOWNS else "krylov"
@@ -110,6 +116,22 @@ def band_of(body: Body) -> Band:
     impulse = body.impulse
     scheme, limit = GeneralizedAlpha(impulse.rho_inf), impulse.band or 0.25 / impulse.step
     return Band(impulse.step, scheme, limit)
+
+
+def _with_surfaces(
+    structure: Structure, body: Body, stages: Stages, parts: Mapping[str, Any] | None
+) -> ImpulseResponses:
+    """Those of a body with surfaces, right at the interfaces in the band."""
+    impulse, wide = body.impulse, band_of(body)
+    # Of steps finer than those of the band only the band is right: modes end with it.
+    band = replace(wide, h=max(wide.h, 0.25 / wide.limit))
+    fields = body.recovery is not None
+    found = surface_responses(
+        structure, damping_of(body), band, impulse.tolerance, stages.report, fields
+    )
+    modes = with_losses(body, found.modes, found.shapes, parts)
+    kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, wide.limit)
+    return ImpulseResponses("lanczos", kernel, modes, found.shapes, impulse.tolerance, found.H)
 
 
 def _truncated(

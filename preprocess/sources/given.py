@@ -8,7 +8,7 @@ from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
 from ..assembly.source import FieldPoints
 from ..body.loads import LoadPattern
-from ..body.selection import InterfaceSelection, Selection
+from ..body.selection import InterfaceSelection, Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.inertia import NodalTensors, scalar_mass
 from ..errors import BodyError
@@ -57,6 +57,10 @@ class GivenSource:
         if selection.node is not None:
             return nodal_frame(nearest_node(selection, table.points, table.size), self.nodes)
         return point_frame(selection, table_nodes(selection, table), self.nodes)
+
+    def touched(self, selection: SurfaceSelection) -> NoReturn:
+        """`BodyError`: matrices tell no facets."""
+        raise BodyError(f"[surfaces]: expected a mesh, found the matrices {self.model.name}")
 
     def forces(self, load: LoadPattern) -> NoReturn:
         """`BodyError`: matrices tell neither surfaces nor volumes."""

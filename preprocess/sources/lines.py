@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import scipy.sparse as sp
@@ -15,7 +15,7 @@ from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import Section
-from ..body.selection import InterfaceSelection
+from ..body.selection import InterfaceSelection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.beam import beam_matrices, lengths, lengths_and_axes
 from ..elements.beam_force import line_forces
@@ -97,6 +97,10 @@ class LineSource:
                 f"points {', '.join(listed)}{more}"
             )
         return nodal_frame(int(members[0]), self.nodes)
+
+    def touched(self, selection: SurfaceSelection) -> NoReturn:
+        """`BodyError`: lines have no facets."""
+        raise BodyError(f"[surfaces]: expected a mesh of solids, found {self.name}, one of lines")
 
     def forces(self, load: LoadPattern) -> Array:
         if load.force_per_length is None:

@@ -22,7 +22,7 @@ from ..assembly.surface import surface
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import STRESS_ORDER, Material
-from ..body.selection import InterfaceSelection
+from ..body.selection import InterfaceSelection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.bending import bending_excess
 from ..elements.location import locate
@@ -31,10 +31,10 @@ from ..elements.solid import check_jacobians, solid_matrices, volumes
 from ..elements.solid_force import pressure_forces, traction_forces, volume_forces
 from ..elements.solid_second import SolidTensors
 from ..elements.strain import strain_rows
-from ..errors import BodyError
+from ..errors import BodyError, InterfaceError
 from ..mesh.cells import FACET_TYPES
 from ..mesh.connectivity import check_connected, check_no_mechanism
-from ..mesh.facets import Facets, facets_of
+from ..mesh.facets import Facets, Patch, facets_of
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .assignment import Assignment, assign
@@ -123,6 +123,18 @@ class SolidSource:
         numbers = mesh_facets(selection, mesh, self.facets)
         faces = surface(mesh.points, self.facets.patch(numbers))
         return facet_frame(selection, numbers, faces, nodes)
+
+    def touched(self, selection: SurfaceSelection) -> Patch:
+        mesh = self.mesh
+        check_elements(selection, mesh)
+        if names_points(selection, mesh):
+            raise InterfaceError(f"group {selection.group!r}: expected facets, found points")
+        numbers = np.unique(mesh_facets(selection, mesh, self.facets))
+        if inner := int((~self.facets.boundary[numbers]).sum()):
+            raise InterfaceError(
+                f"expected facets of the boundary, found {inner} of {len(numbers)} in the body"
+            )
+        return self.facets.patch(numbers)
 
     def forces(self, load: LoadPattern) -> Array:
         mesh = self.mesh
