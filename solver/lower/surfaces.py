@@ -348,7 +348,6 @@ def _lay_out_contacts(
             [0.0 if c.layer is None else 1.0 / c.layer for c in contacts], dtype=np.float64
         ),
         row=_starts(len(layout.patches[p].corners) for p in patch),
-        point=_starts(layout.patches[p].n_points for p in patch),
         support=_starts(supports[patch].tolist()),
         island_range=_starts(map(len, layout.islands)),
         island=as_index([c for members in layout.islands for c in members]),
@@ -373,7 +372,8 @@ def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
         "n_bodies": len(bodies.flexible),
         "n_nodes": len(patches.X),
         "n_contact_rows": int(contacts.row[-1]),
-        "n_contact_points": int(contacts.point[-1]),
+        "n_islands": len(members) if len(contacts.patch) else 0,
+        "n_most_points": int(np.diff(patches.point).max(initial=0)),
         "n_contact_supports": int(contacts.support[-1]),
         "n_most_rows": max((int(rows[own].sum()) for own in members), default=0),
         "n_most_coordinates": int(contacts.coordinates.max(initial=0)),

@@ -23,18 +23,32 @@ MAX_CHANGES = 10000
 
 @compiled
 def solve_complementarity(
-    n: int, W: Array, q: Array, active: Index, factor: Array, order: Index, lam: Array, y: Array
+    n: int,
+    W: Array,
+    q: Array,
+    active: Index,
+    factored: Index,
+    factor: Array,
+    order: Index,
+    lam: Array,
+    y: Array,
 ) -> int:
     """Forces lam and gaps y of n rows; the number of closed rows, -1 where there is no solution.
 
     active (n,): 1 for the rows that are closed, a guess at first. order: the closed rows, in the
-    order of `factor`, Cholesky's factor of their part of W.
+    order of `factor`, Cholesky's factor of their part of W; factored (n,): 1 for the rows that it
+    has, -1 first where there is none yet.
     """
     fewest, patience = n + 1, PATIENCE
     for _ in range(MAX_CHANGES):
-        count = _solve_closed(n, W, q, active, factor, order, lam, y)
-        if count < 0:
-            return -1
+        count = _order_closed(n, active, order)
+        if not _is_factored(n, active, factored):
+            if not _factorize(count, W, order, factor):
+                factored[0] = -1
+                return -1
+            for i in range(n):
+                factored[i] = active[i]
+        _solve_closed(n, count, W, q, active, factor, order, lam, y)
         violations, last = _violations(n, active, lam, y)
         if violations == 0:
             return count
@@ -47,29 +61,46 @@ def solve_complementarity(
 
 
 @compiled
-def _solve_closed(
-    n: int, W: Array, q: Array, active: Index, factor: Array, order: Index, lam: Array, y: Array
-) -> int:
-    """lam = -W_aa^-1 q_a of the closed rows, and gaps of all others; the number of closed rows."""
+def _order_closed(n: int, active: Index, order: Index) -> int:
+    """The closed rows, and their number."""
     count = 0
     for i in range(n):
-        lam[i], y[i] = 0.0, 0.0
         if active[i]:
             order[count] = i
             count += 1
-    if not _factorize(count, W, order, factor):
-        return -1
+    return count
+
+
+@compiled
+def _is_factored(n: int, active: Index, factored: Index) -> bool:
+    for i in range(n):
+        if factored[i] != active[i]:
+            return False
+    return True
+
+
+@compiled
+def _solve_closed(
+    n: int,
+    count: int,
+    W: Array,
+    q: Array,
+    active: Index,
+    factor: Array,
+    order: Index,
+    lam: Array,
+    y: Array,
+) -> None:
+    """lam = -W_aa^-1 q_a of the closed rows, and the gaps of all others."""
+    for i in range(n):
+        lam[i] = 0.0
     for a in range(count):
         y[a] = -q[order[a]]
     solve_closed(count, factor, y)
     for a in range(count):
         lam[order[a]] = y[a]
     for i in range(n):
-        total = q[i]
-        for a in range(count):
-            total += W[i, order[a]] * lam[order[a]]
-        y[i] = 0.0 if active[i] else total
-    return count
+        y[i] = 0.0 if active[i] else q[i] + inner(W[i, :n], lam[:n])
 
 
 @compiled

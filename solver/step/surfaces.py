@@ -41,6 +41,8 @@ LOOKS = 2
 """iterates of a step at which tangent planes are laid"""
 STEPS_AHEAD = 3.0
 """steps ahead in which a patch that may meet its shape is followed"""
+MAX_TURN = 1e-4
+"""change of a gradient with which an old W still serves: corrections shrink by as much"""
 UNKNOWN = math.nan
 
 
@@ -368,108 +370,149 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     """Forces of the contacts of island m at the present motion, and its stiffness."""
     surfaces, out = system.surfaces, work.surfaces
     contacts = surfaces.contacts
-    n = 0
+    if out.looks[0] < LOOKS:
+        out.count[m] = 0
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
         c = contacts.island[w]
         if out.near[c]:
             if out.looks[0] < LOOKS:
-                _lay_planes(system, c, state, work)
-            n = _find_candidates(system, c, n, state, work)
-        else:
+                _place_nodes(system, c, 1.0, state, work)
+                _lay_planes(system, c, work)
+                _find_candidates(system, m, c, state, work)
+            _place_nodes(system, c, 0.0, state, work)
+            _set_gaps(system, m, c, work)
+        elif out.looks[0] == 0:
             for i in range(contacts.row[c], contacts.row[c + 1]):
                 out.closed[i], state.surfaces.force[i] = 0, 0.0
+    n = out.count[m]
     for r in range(n):
-        _set_gradient(system, r, state, work)
-    _set_compliances(system, n, work)
-    for r in range(n):
-        out.active[r] = out.closed[out.candidate[r]]
+        _set_gradient(system, m, r, state, work)
+        out.active[r] = out.closed[out.candidate[m, r]]
+    if _is_W_outdated(surfaces, m, work):
+        _set_compliances(surfaces, m, work)
     count = solve_complementarity(
-        n, out.W, out.q, out.active, out.factor, out.order, out.lam, out.y
+        n, out.W[m], out.q, out.active, out.factored[m], out.factor[m], out.order[m], out.lam, out.y
     )
-    if count < 0:
-        for r in range(n):
-            out.lam[r] = math.nan  # no motion goes on from here
     for r in range(n):
-        i = out.candidate[r]
+        i = out.candidate[m, r]
         out.closed[i] = out.active[r]
-        state.surfaces.force[i] = out.lam[r]
+        # No motion goes on from where there is no solution.
+        state.surfaces.force[i] = out.lam[r] if count >= 0 else math.nan
         state.surfaces.gap[i] = out.y[r]
-    _load_nodes(system, m, n, state, work)
+    _load_nodes(system, m, state, work)
     _set_stiffness(system, m, max(count, 0), state, work)
 
 
 @compiled
-def _lay_planes(system: System, c: int, state: State, work: Workspace) -> None:
-    """The planes that touch the shape of contact c next to the points of its patch."""
+def _place_nodes(system: System, c: int, share: float, state: State, work: Workspace) -> None:
+    """The nodes of the patch of contact c, moved by a share of the forces of contacts."""
     surfaces, out = system.surfaces, work.surfaces
-    contacts, patches = surfaces.contacts, surfaces.patches
-    p, f = contacts.patch[c], contacts.frame[c]
-    for q in range(patches.point[p], patches.point[p + 1]):
-        y = rotate_back(work.frames.D, f, _from_frame(system, c, q, True, state, work))
-        gap, n = _distance(surfaces, c, y)
-        target = contacts.point[c] + q - patches.point[p]
-        for x in range(3):
-            out.plane[target, x] = n[x]
-        out.plane[target, 3] = gap - dot(n, y)
-
-
-@compiled
-def _from_frame(
-    system: System, c: int, q: int, loaded: bool, state: State, work: Workspace
-) -> Vector:
-    """Point q of the patch of contact c from the origin of the frame of the shape, in space.
-
-    loaded: where the forces of contacts move it, or else where it would be without them.
-    """
-    surfaces, out = system.surfaces, work.surfaces
-    patches = surfaces.patches
-    b, f = patches.body[surfaces.contacts.patch[c]], surfaces.contacts.frame[c]
-    place = (0.0, 0.0, 0.0)
-    for z in range(patches.width):
-        k = patches.nodes[q, z]
-        if k < 0:
-            break
-        lever = add(row(patches.X, k), row(out.base, k))
-        if loaded:
-            lever = add(lever, row(out.by_load, k))
-        place = add(place, scale(patches.N[q, z], lever))
+    patches, f = surfaces.patches, surfaces.contacts.frame[c]
+    p = surfaces.contacts.patch[c]
+    b = patches.body[p]
     # the difference of positions first, for it is small
     apart = subtract(row(state.bodies.x, b), row(work.frames.r, f))
-    return add(apart, rotate(state.bodies.R, b, place))
+    for k in range(patches.node[p], patches.node[p + 1]):
+        u = add(row(out.base, k), scale(share, row(out.by_load, k)))
+        lever = rotate(state.bodies.R, b, add(row(patches.X, k), u))
+        y = rotate_back(work.frames.D, f, add(apart, lever))
+        for x in range(3):
+            out.place[k, x] = y[x]
 
 
 @compiled
-def _find_candidates(system: System, c: int, n: int, state: State, work: Workspace) -> int:
-    """Gaps of the rows of contact c; those that may be closed join n candidates of its island."""
+def _lay_planes(system: System, c: int, work: Workspace) -> None:
+    """The planes that touch the shape of contact c next to the points of its patch."""
+    surfaces, out = system.surfaces, work.surfaces
+    patches, p = surfaces.patches, surfaces.contacts.patch[c]
+    first = patches.point[p]
+    for q in range(first, patches.point[p + 1]):
+        y = (0.0, 0.0, 0.0)
+        for z in range(patches.width):
+            k = patches.nodes[q, z]
+            if k < 0:
+                break
+            y = add(y, scale(patches.N[q, z], row(out.place, k)))
+        gap, n = _distance(surfaces, c, y)
+        for x in range(3):
+            out.plane[q - first, x] = n[x]
+        out.plane[q - first, 3] = gap - dot(n, y)
+
+
+@compiled
+def _find_candidates(system: System, m: int, c: int, state: State, work: Workspace) -> None:
+    """Rows of contact c that may be closed at the end of the step, with their gradients."""
     surfaces, out = system.surfaces, work.surfaces
     contacts, patches = surfaces.contacts, surfaces.patches
-    p, f = contacts.patch[c], contacts.frame[c]
-    first, first_row = contacts.row[c], patches.row[p]
+    p, first = contacts.patch[c], contacts.row[c]
     margin = contacts.margin[c]
     if math.isnan(margin):
         margin = 2.0 * system.scheme.h * _closing_speed(system, c, state, work)
+    gaps = state.surfaces.gap
     for i in range(first, contacts.row[c + 1]):
-        out.gap[i], state.surfaces.gap[i] = 0.0, 0.0
+        gaps[i] = 0.0
     for q in range(patches.point[p], patches.point[p + 1]):
-        plane = contacts.point[c] + q - patches.point[p]
-        normal, offset = row(out.plane, plane), out.plane[plane, 3]
-        normal = rotate(work.frames.D, f, normal)
-        free = offset + dot(normal, _from_frame(system, c, q, False, state, work))
-        loaded = offset + dot(normal, _from_frame(system, c, q, True, state, work))
+        place = q - patches.point[p]
+        y = (0.0, 0.0, 0.0)
+        for z in range(patches.width):
+            k = patches.nodes[q, z]
+            if k < 0:
+                break
+            y = add(y, scale(patches.N[q, z], row(out.place, k)))
+        gap = dot(row(out.plane, place), y) + out.plane[place, 3]
         for z in range(4):
             i = patches.rows[q, z]
             if i < 0:
                 break
-            i += first - first_row
-            out.gap[i] += patches.weight[q, z] * free
-            state.surfaces.gap[i] += patches.weight[q, z] * loaded
+            gaps[i - patches.row[p] + first] += patches.weight[q, z] * gap
     for i in range(first, contacts.row[c + 1]):
-        if min(out.gap[i], state.surfaces.gap[i]) < margin:
-            out.candidate[n], out.contact[n], out.q[n] = i, c, out.gap[i]
-            n += 1
+        # Without its force a closed row would penetrate: it stays a candidate.
+        if gaps[i] < margin or out.closed[i]:
+            r = out.count[m]
+            out.candidate[m, r], out.contact[m, r] = i, c
+            out.count[m] = r + 1
+            _face(surfaces, c, i, work)
         else:
             out.closed[i], state.surfaces.force[i] = 0, 0.0
-    return n
+
+
+@compiled
+def _face(surfaces: Surfaces, c: int, i: int, work: Workspace) -> None:
+    """The gradient of row i of contact c by its nodes, and its offset, of the present planes."""
+    patches, out = surfaces.patches, work.surfaces
+    p = surfaces.contacts.patch[c]
+    local = i - surfaces.contacts.row[c] + patches.row[p]
+    begin, end, first = _support_of_row(surfaces, c, i)
+    for j in range(end - begin):
+        for x in range(3):
+            out.facing[first + j, x] = 0.0
+    offset = 0.0
+    for t in range(patches.row_point[local], patches.row_point[local + 1]):
+        q = patches.point_of_row[t]
+        place = q - patches.point[p]
+        weight = patches.weight_of_row[t]
+        offset += weight * out.plane[place, 3]
+        for z in range(patches.width):
+            if patches.nodes[q, z] < 0:
+                break
+            j = first + patches.slot_of_row[t, z]
+            for x in range(3):
+                out.facing[j, x] += weight * patches.N[q, z] * out.plane[place, x]
+    out.offset[i] = offset
+
+
+@compiled
+def _set_gaps(system: System, m: int, c: int, work: Workspace) -> None:
+    """q: gaps of the candidates of contact c without the forces of contacts."""
+    surfaces, out = system.surfaces, work.surfaces
+    for r in range(out.count[m]):
+        if out.contact[m, r] == c:
+            begin, end, first = _supports(surfaces, m, r, work)
+            total = out.offset[out.candidate[m, r]]
+            for j in range(begin, end):
+                place = row(out.place, surfaces.patches.support[j])
+                total += dot(row(out.facing, first + j - begin), place)
+            out.q[r] = total
 
 
 @compiled
@@ -492,64 +535,77 @@ def _closing_speed(system: System, c: int, state: State, work: Workspace) -> flo
 
 
 @compiled
-def _set_gradient(system: System, r: int, state: State, work: Workspace) -> None:
+def _set_gradient(system: System, m: int, r: int, state: State, work: Workspace) -> None:
     """b of candidate r, and its mean normal, in body axes."""
     surfaces, out = system.surfaces, work.surfaces
-    contacts, patches = surfaces.contacts, surfaces.patches
-    c, i = out.contact[r], out.candidate[r]
-    p, f = contacts.patch[c], contacts.frame[c]
-    b, local = patches.body[p], i - contacts.row[c] + patches.row[p]
-    shift = contacts.support[c] - patches.support_range[patches.row[p]]
-    first = patches.support_range[local] + shift
-    for j in range(first, patches.support_range[local + 1] + shift):
-        for x in range(3):
-            out.gradient[j, x] = 0.0
+    c = out.contact[m, r]
+    b, f = surfaces.patches.body[surfaces.contacts.patch[c]], surfaces.contacts.frame[c]
+    begin, end, first = _supports(surfaces, m, r, work)
     mean = (0.0, 0.0, 0.0)
-    for t in range(patches.row_point[local], patches.row_point[local + 1]):
-        q = patches.point_of_row[t]
-        plane = contacts.point[c] + q - patches.point[p]
-        n = rotate(work.frames.D, f, row(out.plane, plane))
-        n = scale(patches.weight_of_row[t], rotate_back(state.bodies.R, b, n))
+    for j in range(first, first + end - begin):
+        n = rotate(work.frames.D, f, row(out.facing, j))
+        n = rotate_back(state.bodies.R, b, n)
         mean = add(mean, n)
-        for z in range(patches.width):
-            if patches.nodes[q, z] < 0:
-                break
-            j = first + patches.slot_of_row[t, z]
-            for x in range(3):
-                out.gradient[j, x] += patches.N[q, z] * n[x]
+        for x in range(3):
+            out.gradient[j, x] = n[x]
     for x in range(3):
-        state.surfaces.normal[i, x] = mean[x]
+        state.surfaces.normal[out.candidate[m, r], x] = mean[x]
 
 
 @compiled
-def _supports(surfaces: Surfaces, r: int, work: Workspace) -> tuple[int, int, int]:
-    """The first and last node around candidate r, as places in `support`, and the place of the
-    first in `gradient`.
+def _supports(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int, int, int]:
+    """The supports of candidate r of island m, see `_support_of_row`."""
+    return _support_of_row(surfaces, work.surfaces.contact[m, r], work.surfaces.candidate[m, r])
+
+
+@compiled
+def _support_of_row(surfaces: Surfaces, c: int, i: int) -> tuple[int, int, int]:
+    """The first and last node around row i of contact c, as places in `support`, and the place of
+    the first in `gradient`.
     """
     contacts, patches = surfaces.contacts, surfaces.patches
-    c = work.surfaces.contact[r]
     p = contacts.patch[c]
-    local = work.surfaces.candidate[r] - contacts.row[c] + patches.row[p]
+    local = i - contacts.row[c] + patches.row[p]
     begin, end = patches.support_range[local], patches.support_range[local + 1]
     return begin, end, contacts.support[c] + begin - patches.support_range[patches.row[p]]
 
 
 @compiled
-def _set_compliances(system: System, n: int, work: Workspace) -> None:
-    """W of n candidates: gaps by forces, of bodies and of layers."""
-    surfaces, out = system.surfaces, work.surfaces
+def _is_W_outdated(surfaces: Surfaces, m: int, work: Workspace) -> bool:
+    """Whether candidates or their gradients have changed since W of island m was made."""
+    out = work.surfaces
+    if out.W_count[m] != out.count[m]:
+        return True
+    for r in range(out.count[m]):
+        if out.W_row[m, r] != out.candidate[m, r]:
+            return True
+    for r in range(out.count[m]):
+        begin, end, first = _supports(surfaces, m, r, work)
+        for j in range(first, first + end - begin):
+            for x in range(3):
+                if abs(out.gradient[j, x] - out.W_gradient[j, x]) > MAX_TURN:
+                    return True
+    return False
+
+
+@compiled
+def _set_compliances(surfaces: Surfaces, m: int, work: Workspace) -> None:
+    """W of the candidates of island m: gaps by forces, of bodies and of layers."""
+    out = work.surfaces
     bodies, patches, contacts = surfaces.bodies, surfaces.patches, surfaces.contacts
+    n = out.count[m]
     for r in range(n):
-        c = out.contact[r]
+        c = out.contact[m, r]
         s = patches.owner[contacts.patch[c]]
         first, last = bodies.node[s], bodies.node[s + 1]
         width_of_G = 3 * (last - first)
         column = out.column[:width_of_G]
         column[:] = 0.0
-        begin, end, place = _supports(surfaces, r, work)
+        begin, end, place = _supports(surfaces, m, r, work)
         for j in range(begin, end):
             for x in range(3):
                 b = out.gradient[place + j - begin, x]
+                out.W_gradient[place + j - begin, x] = b
                 if b != 0.0:
                     start = bodies.G_start[s]
                     start += (3 * (patches.support[j] - first) + x) * width_of_G
@@ -558,20 +614,23 @@ def _set_compliances(system: System, n: int, work: Workspace) -> None:
                         column[i] += b * G[i]
         for other in range(r + 1):
             total = 0.0
-            if patches.owner[contacts.patch[out.contact[other]]] == s:
-                begin, end, place = _supports(surfaces, other, work)
+            if patches.owner[contacts.patch[out.contact[m, other]]] == s:
+                begin, end, place = _supports(surfaces, m, other, work)
                 for j in range(begin, end):
                     k = 3 * (patches.support[j] - first)
                     for x in range(3):
                         total += out.gradient[place + j - begin, x] * column[k + x]
-            out.W[r, other] = total
-            out.W[other, r] = total
-        local = out.candidate[r] - contacts.row[c] + patches.row[contacts.patch[c]]
-        out.W[r, r] += contacts.layer[c] / patches.area[local]
+            out.W[m, r, other] = total
+            out.W[m, other, r] = total
+        local = out.candidate[m, r] - contacts.row[c] + patches.row[contacts.patch[c]]
+        out.W[m, r, r] += contacts.layer[c] / patches.area[local]
+        out.W_row[m, r] = out.candidate[m, r]
+    out.W_count[m] = n
+    out.factored[m, 0] = -1
 
 
 @compiled
-def _load_nodes(system: System, m: int, n: int, state: State, work: Workspace) -> None:
+def _load_nodes(system: System, m: int, state: State, work: Workspace) -> None:
     """Forces on the nodes of the bodies of island m, and on the frames of its shapes."""
     surfaces, out = system.surfaces, work.surfaces
     contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
@@ -580,36 +639,37 @@ def _load_nodes(system: System, m: int, n: int, state: State, work: Workspace) -
         for k in range(bodies.node[s], bodies.node[s + 1]):
             for x in range(3):
                 state.surfaces.load[k, x] = 0.0
-    for r in range(n):
-        if out.lam[r] != 0.0:
-            begin, end, place = _supports(surfaces, r, work)
+    for r in range(out.count[m]):
+        force = state.surfaces.force[out.candidate[m, r]]
+        if force != 0.0:
+            begin, end, place = _supports(surfaces, m, r, work)
             for j in range(begin, end):
                 k = patches.support[j]
                 for x in range(3):
-                    force = out.lam[r] * out.gradient[place + j - begin, x]
-                    state.surfaces.load[k, x] += force
+                    state.surfaces.load[k, x] += force * out.gradient[place + j - begin, x]
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
         s = patches.owner[contacts.patch[contacts.island[w]]]
         if out.awake[s]:
             _set_displacements_by_load(surfaces, s, state, work)
-    for r in range(n):
-        if out.lam[r] != 0.0:
-            force, moment = _wrench_on_frame(system, r, state, work)
-            f = contacts.frame[out.contact[r]]
-            add_to_row(work.frames.wrench, f, 0, scale(out.lam[r], force))
-            add_to_row(work.frames.wrench, f, 3, scale(out.lam[r], moment))
+    for r in range(out.count[m]):
+        force = state.surfaces.force[out.candidate[m, r]]
+        if force != 0.0:
+            linear, moment = _wrench_on_frame(system, m, r, state, work)
+            f = contacts.frame[out.contact[m, r]]
+            add_to_row(work.frames.wrench, f, 0, scale(force, linear))
+            add_to_row(work.frames.wrench, f, 3, scale(force, moment))
 
 
 @compiled
 def _wrench_on_frame(
-    system: System, r: int, state: State, work: Workspace
+    system: System, m: int, r: int, state: State, work: Workspace
 ) -> tuple[Vector, Vector]:
     """The wrench of a unit force of candidate r on the frame of its shape, in space."""
     surfaces, out = system.surfaces, work.surfaces
-    patches, c = surfaces.patches, out.contact[r]
+    patches, c = surfaces.patches, out.contact[m, r]
     b, f = patches.body[surfaces.contacts.patch[c]], surfaces.contacts.frame[c]
     apart = subtract(row(state.bodies.x, b), row(work.frames.r, f))
-    begin, end, place = _supports(surfaces, r, work)
+    begin, end, place = _supports(surfaces, m, r, work)
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for j in range(begin, end):
         gradient = rotate(state.bodies.R, b, row(out.gradient, place + j - begin))
@@ -625,12 +685,12 @@ def _set_stiffness(system: System, m: int, count: int, state: State, work: Works
     contacts, out = system.surfaces.contacts, work.surfaces
     width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
     for a in range(count):
-        _set_derivative(system, m, out.order[a], out.D[a], state, work)
+        _set_derivative(system, m, out.order[m, a], out.D[a], state, work)
     # W^-1 is applied to one column of D after the other
     for z in range(width_of_D):
         for a in range(count):
             out.y[a] = out.D[a, z]
-        solve_closed(count, out.factor, out.y)
+        solve_closed(count, out.factor[m], out.y)
         for x in range(width_of_D):
             total = 0.0
             for a in range(count):
@@ -647,11 +707,11 @@ def _set_derivative(
     contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
     for z in range(contacts.coordinates[m]):
         D[z] = 0.0
-    c = out.contact[r]
+    c = out.contact[m, r]
     s, f = patches.owner[contacts.patch[c]], contacts.frame[c]
     e, own = bodies.flexible[s], contacts.coordinate[c, 0]
     n_a = elastic.active_range[e + 1] - elastic.active_range[e]
-    begin, end, place = _supports(surfaces, r, work)
+    begin, end, place = _supports(surfaces, m, r, work)
     for j in range(begin, end):
         k = patches.support[j]
         b = row(out.gradient, place + j - begin)
@@ -664,7 +724,7 @@ def _set_derivative(
                 D[own + 6 + i] += b[x] * bodies.T[start + i]
     other = contacts.coordinate[c, 1]
     if other >= 0:
-        wrench = _wrench_on_frame(system, r, state, work)
+        wrench = _wrench_on_frame(system, m, r, state, work)
         pull_back(system.frames, f, wrench, state, work, out.wrench)
         for z in range(width(system.frames, f)):
             D[other + coordinate(system.frames, f, z)] += out.wrench[z]

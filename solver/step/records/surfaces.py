@@ -112,8 +112,6 @@ class SurfaceContacts(Struct):
     """compliance of a layer, per area [m^3/N]; 0: none"""
     row: Index = array("n_contacts_1")
     """first row of each contact, among those of all contacts"""
-    point: Index = array("n_contacts_1")
-    """first point of each contact, among those of all contacts"""
     support: Index = array("n_contacts_1")
     """first support of each contact, among those of all contacts"""
     island_range: Index = array("n_islands_1")
@@ -168,7 +166,7 @@ class SurfaceWork(Struct):
     """Scratch of contacts of surfaces."""
 
     looks: Index = array(1)
-    """times that tangent planes were laid in this step; -1: contacts do not act yet"""
+    """iterates of this step at which tangent planes were laid; -1: contacts do not act yet"""
     near: Index = array("n_contacts")
     """1: the patch may meet the shape in this step"""
     awake: Index = array("n_bodies")
@@ -185,23 +183,42 @@ class SurfaceWork(Struct):
     """displacements of the nodes without the forces of contacts, in body axes [m]"""
     by_load: Array = array("n_nodes", 3)
     """displacements G f of the nodes by the forces of contacts, in body axes [m]"""
-    plane: Array = array("n_contact_points", 4)
-    """tangent plane of each point, normal and offset, in the axes of the frame of the shape"""
-    gap: Array = array("n_contact_rows")
-    """weighted gap of each row without the forces of contacts [m]"""
+    place: Array = array("n_nodes", 3)
+    """positions of the nodes of one contact, in the axes of the frame of its shape [m]"""
+    plane: Array = array("n_most_points", 4)
+    """tangent plane of each point of one contact, normal and offset, in the same axes"""
+    facing: Array = array("n_contact_supports", 3)
+    """gradient of the gap of a row by the motion of each node around it, in the axes of the frame
+    of the shape"""
+    offset: Array = array("n_contact_rows")
+    """gap of a row less the products of gradient and positions [m]"""
     gradient: Array = array("n_contact_supports", 3)
-    """b, the gradient of the gap of a row by the motion of each node around it, in body axes"""
+    """b, the same gradient in body axes"""
     closed: Index = array("n_contact_rows")
     """1: the row is closed"""
     closed_in_matrix: Index = array("n_contact_rows")
     """1: it was when Newton's matrix was made"""
-    candidate: Index = array("n_most_rows")
+    count: Index = array("n_islands")
+    """number of candidates of each island"""
+    candidate: Index = array("n_islands", "n_most_rows")
     """rows of an island that may be closed, among those of all contacts"""
-    contact: Index = array("n_most_rows")
+    contact: Index = array("n_islands", "n_most_rows")
     """contact of each candidate"""
+    W_count: Index = array("n_islands")
+    """number of rows of `W`; 0: it is to be made"""
+    W_row: Index = array("n_islands", "n_most_rows")
+    """candidates that `W` was made for"""
+    W_gradient: Array = array("n_contact_supports", 3)
+    """b that `W` was made with"""
+    W: Array = array("n_islands", "n_most_rows", "n_most_rows")
+    """gaps of the candidates by forces on them [m/N]"""
+    factored: Index = array("n_islands", "n_most_rows")
+    """1: the candidate is in `factor`"""
+    factor: Array = array("n_islands", "n_most_rows", "n_most_rows")
+    """Cholesky's factor of the rows and columns of W that are closed"""
     active: Index = array("n_most_rows")
-    """candidates that are closed"""
-    order: Index = array("n_most_rows")
+    """1: the candidate is closed"""
+    order: Index = array("n_islands", "n_most_rows")
     """closed candidates, in the order of `factor`"""
     lam: Array = array("n_most_rows")
     """forces of the candidates [N]"""
@@ -209,10 +226,6 @@ class SurfaceWork(Struct):
     """gaps of the candidates [m]"""
     q: Array = array("n_most_rows")
     """gaps of the candidates without forces [m]"""
-    W: Array = array("n_most_rows", "n_most_rows")
-    """gaps of the candidates by forces on them [m/N]"""
-    factor: Array = array("n_most_rows", "n_most_rows")
-    """Cholesky's factor of the rows and columns of W that are closed"""
     D: Array = array("n_most_rows", "n_most_coordinates")
     """derivatives of the gaps of closed rows by the coordinates of the bodies of an island"""
     stiffness: Array = array("n_stiffness")
