@@ -82,6 +82,7 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts
     work.surfaces.looks[:] = -1
+    work.surfaces.listed[:] = -1
     return state, work
 
 

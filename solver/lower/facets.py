@@ -12,6 +12,14 @@ import numpy as np
 
 from ..arrays import Array
 
+FACET_TYPES = "triangle", "quad", "triangle6", "quad8", "quad9"
+"""types of facets, in the order of their numbers in compiled code"""
+SMOOTH_TYPES = {"triangle": "triangle6", "quad": "quad8"}
+"""types of linear facets with middle nodes on arcs"""
+MOST_NODES = 9
+"""nodes of a facet, the most of all types"""
+MOST_CORNERS = 4
+"""corners of a facet, likewise"""
 TRIANGLE_POINTS = (
     (0.445948490915965, 0.223381589678011),
     (0.091576213509771, 0.109951743655322),

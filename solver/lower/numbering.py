@@ -48,6 +48,8 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
             # The bare ground has a frame of its own for each coupling, where the other side starts.
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
     for contact in model.surface_contacts:
+        if contact.meets_surface:
+            continue
         named[carrier_name(contact)] = _carrier_pose(model, poses, contact)
     for load in model.frame_loads:
         named[load.on] = frame_pose(model, poses, load.on)

@@ -92,7 +92,7 @@ class Model(Entry):
     @property
     def bodies_with_pressed_surfaces(self) -> frozenset[str]:
         """The bodies of which a surface is in contact."""
-        return frozenset(contact.body for contact in self.surface_contacts)
+        return frozenset(b for contact in self.surface_contacts for b in contact.flexible_bodies)
 
     @property
     def frame_loads(self) -> tuple[Load, ...]:

@@ -19,7 +19,6 @@ from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
 from .surfaces import (
-    add_surface_work,
     approach_surfaces,
     are_surfaces_closed,
     await_contacts,
@@ -103,7 +102,6 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
     finish_surfaces(system, state, work)
-    add_surface_work(system, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)

@@ -1,16 +1,15 @@
 """Contacts of surfaces of flexible bodies: exact unilateral constraints at their nodes.
 
-The gap of a row is the mean of that of the points around its node, weighted with dual functions;
-each point meets the plane that touches the shape where it is nearest:
+The gap of a row is a mean of that of the points around its node (facing.py):
 
     y_i = 1/A_i sum_q w_q psi_i(q) n_q . (x_q - c_q),    0 <= P_i  _|_  y_i + P_i layer/A_i >= 0
     x_k = x + R (X_k + u_k),    u_C = phi eta + T (u - history) + G f,    f = R^T sum_i P_i b_i
 
 with b_ik = d y_i / d x_k. The residual flexibility in G makes the forces an algebraic function of
 the motion, P(xi), which is solved for at each iterate of Newton's method; there the contact acts as
-a spring of the stiffness D^T W^-1 D, with D = dy/dxi and W = b G b^T of the closed rows. The planes
-are laid at the first two iterates of a step, then they move with their frame, so that Newton's
-method converges. Source: docs/theory.md, Contact of surfaces.
+a spring of the stiffness D^T W^-1 D, with D = dy/dxi and W = b G b^T of the closed rows. Tangent
+planes are laid at the first two iterates of a step, then they move with their target, so that
+Newton's method converges. Source: docs/theory.md, Contact of surfaces.
 """
 
 import math
@@ -19,9 +18,18 @@ from ..arrays import Array
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .complementarity import solve_closed, solve_complementarity
+from .facing import (
+    deformed,
+    distance_from_shape,
+    face_target,
+    look_at_target,
+    place_nodes,
+    set_row_gaps,
+    target_axes,
+    target_origin,
+)
 from .frames import coordinate, pull_back, width
 from .records.surfaces import Surfaces
-from .shapes import surface_at
 from .system import State, System, Workspace
 from .vectors import (
     Vector,
@@ -40,10 +48,9 @@ from .vectors import (
 LOOKS = 2
 """iterates of a step at which tangent planes are laid"""
 STEPS_AHEAD = 3.0
-"""steps ahead in which a patch that may meet its shape is followed"""
+"""steps ahead in which a patch that may meet its target is followed"""
 MAX_TURN = 1e-4
 """change of a gradient with which an old W still serves: corrections shrink by as much"""
-UNKNOWN = math.nan
 
 
 @compiled
@@ -74,6 +81,7 @@ def press_surfaces(system: System, state: State, work: Workspace) -> None:
             _set_base(system, s, state, work)
             if out.looks[0] == 0:
                 _set_displacements_by_load(system.surfaces, s, state, work)
+    out.push[:] = 0.0
     for m in range(len(contacts.island_range) - 1):
         _press_island(system, m, state, work)
     out.looks[0] += 1
@@ -89,17 +97,14 @@ def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
     for s in range(len(surfaces.bodies.flexible)):
         if not out.awake[s]:
             continue
-        e = surfaces.bodies.flexible[s]
-        b = elastic.body[e]
-        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        b = elastic.body[surfaces.bodies.flexible[s]]
+        force = out.push[s, 0], out.push[s, 1], out.push[s, 2]
+        add_to_row(work.bodies.force, b, 0, rotate(state.bodies.R, b, force))
+        add_to_row(work.bodies.force, b, 3, (out.push[s, 3], out.push[s, 4], out.push[s, 5]))
         for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
             f = row(state.surfaces.load, k)
             if f[0] != 0.0 or f[1] != 0.0 or f[2] != 0.0:
-                force = add(force, f)
-                moment = add(moment, cross(_lever(surfaces, k, work), f))
                 _add_interface_load(system, s, k, f, work)
-        add_to_row(work.bodies.force, b, 0, rotate(state.bodies.R, b, force))
-        add_to_row(work.bodies.force, b, 3, moment)
 
 
 @compiled
@@ -109,7 +114,7 @@ def add_surface_tangents(system: System, work: Workspace) -> None:
     if len(contacts.patch) == 0 or out.looks[0] < 0:
         return
     blocks = system.pattern.island_block
-    copy_status(work)
+    copy(out.closed, out.closed_in_matrix)
     for m in range(len(contacts.island_range) - 1):
         first = contacts.body_range[m]
         n = contacts.coordinates[m]
@@ -124,19 +129,12 @@ def add_surface_tangents(system: System, work: Workspace) -> None:
 
 
 @compiled
-def copy_status(work: Workspace) -> None:
-    """The matrix is that of the present rows."""
-    for i in range(len(work.surfaces.closed)):
-        work.surfaces.closed_in_matrix[i] = work.surfaces.closed[i]
-
-
-@compiled
 def have_surfaces_switched(work: Workspace) -> bool:
     """Whether a row has closed or opened since the matrix was made."""
+    changed = 0
     for i in range(len(work.surfaces.closed)):
-        if work.surfaces.closed[i] != work.surfaces.closed_in_matrix[i]:
-            return True
-    return False
+        changed += abs(work.surfaces.closed[i] - work.surfaces.closed_in_matrix[i])
+    return changed > 0
 
 
 @compiled
@@ -149,23 +147,38 @@ def are_surfaces_closed(work: Workspace) -> bool:
 
 
 @compiled
+def approach_surfaces(system: System, h: float, state: State, work: Workspace) -> bool:
+    """Whether a patch may meet its target after a time h."""
+    for c in range(len(system.surfaces.contacts.patch)):
+        if _is_near(system, c, h, state, work):
+            return True
+    return False
+
+
+@compiled
 def add_surface_scales(system: System, state: State, work: Workspace) -> None:
-    """The forces on the nodes, each by itself, join the force scales of the bodies."""
+    """The forces of rows, each by itself, join the force scales of the bodies."""
     contacts, patches = system.surfaces.contacts, system.surfaces.patches
     for c in range(len(contacts.patch)):
         total = 0.0
         for i in range(contacts.row[c], contacts.row[c + 1]):
             total += state.surfaces.force[i]
-        b, f = patches.body[contacts.patch[c]], contacts.frame[c]
-        arm = patches.radius[contacts.patch[c]]
-        center = row(patches.center, contacts.patch[c])
-        arm += math.sqrt(dot(center, center))
-        work.bodies.force_scale[b, 0] += total
-        work.bodies.force_scale[b, 1] += total * arm
-        other = system.frames.body[f]
+        if total == 0.0:
+            continue
+        p, f = contacts.patch[c], contacts.frame[c]
+        b = patches.body[p]
+        other = system.frames.body[f] if f >= 0 else patches.body[contacts.target[c]]
+        place = rotate(state.bodies.R, b, row(patches.center, p))
+        _add_scale(b, total, _length(place) + patches.radius[p], work)
         if other >= 0:
-            work.bodies.force_scale[other, 0] += total
-            work.bodies.force_scale[other, 1] += total * arm
+            apart = subtract(add(row(state.bodies.x, b), place), row(state.bodies.x, other))
+            _add_scale(other, total, _length(apart) + patches.radius[p], work)
+
+
+@compiled
+def _add_scale(b: int, force: float, arm: float, work: Workspace) -> None:
+    work.bodies.force_scale[b, 0] += force
+    work.bodies.force_scale[b, 1] += force * arm
 
 
 @compiled
@@ -180,6 +193,7 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
         load = state.surfaces.modal_load[begin:end]
         copy(load, out.modal_load_n[begin:end])
         load[:] = 0.0
+        out.modal_step[begin:end] = 0.0
         first, start = surfaces.bodies.node[s], surfaces.bodies.phi_start[s]
         loaded = False
         for k in range(first, surfaces.bodies.node[s + 1]):
@@ -199,14 +213,16 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
             out.modal_step[begin + i] = step * load[i]
         for k in range(elastic.dof[e], elastic.dof[e + 1]):
             place = modes.phi_start[e] + (k - elastic.dof[e]) * m
-            state.interfaces.u[k] += inner(modes.phi[place : place + m], out.modal_step[begin:end])
+            change = inner(modes.phi[place : place + m], out.modal_step[begin:end])
+            state.interfaces.u[k] += change
 
 
 @compiled
-def add_surface_work(system: System, state: State, work: Workspace) -> None:
-    """Work of the contacts on the modes, and the energy of the residual flexibility, 1/2 f . F f.
+def finish_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Displacements of nodes at the end of a step, and the work of contacts on the modes.
 
-    With the mean load over the step, as of interfaces.
+    With the mean load over the step, as of interfaces; and the energy of the residual flexibility,
+    1/2 f . F f.
     """
     surfaces, modes, out = system.surfaces, system.elastic.modes, work.surfaces
     total = 0.0
@@ -220,24 +236,11 @@ def add_surface_work(system: System, state: State, work: Workspace) -> None:
             continue
         for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
             for x in range(3):
+                state.surfaces.u[k, x] = out.base[k, x] + out.by_load[k, x]
                 f = state.surfaces.load[k, x]
                 if f != 0.0:
                     total += f * (out.by_load[k, x] + _by_interface_load(system, s, k, x, work))
     state.energies.residual[0] = 0.5 * total
-
-
-@compiled
-def finish_surfaces(system: System, state: State, work: Workspace) -> None:
-    """Displacements of nodes and gaps at the end of a step."""
-    surfaces, out = system.surfaces, work.surfaces
-    for s in range(len(surfaces.bodies.flexible)):
-        if out.awake[s]:
-            for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
-                for x in range(3):
-                    state.surfaces.u[k, x] = out.base[k, x] + out.by_load[k, x]
-
-
-# -- the parts of it
 
 
 @compiled
@@ -246,78 +249,101 @@ def _find_near(system: System, state: State, work: Workspace) -> None:
     surfaces, out = system.surfaces, work.surfaces
     contacts = surfaces.contacts
     for c in range(len(contacts.patch)):
-        s = surfaces.patches.owner[contacts.patch[c]]
         near = _is_near(system, c, system.scheme.h, state, work)
         out.near[c] = int(near)
-        if near and not out.awake[s]:
-            out.awake[s] = 1
-            _set_free(system, s, state, work)
+        if near:
+            _wake(system, surfaces.patches.owner[contacts.patch[c]], state, work)
+            if contacts.target[c] >= 0 and contacts.frame[c] < 0:
+                _wake(system, surfaces.patches.owner[contacts.target[c]], state, work)
+    for s in range(len(surfaces.bodies.flexible)):
+        if not out.awake[s]:
+            for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+                for x in range(3):
+                    state.surfaces.load[k, x] = 0.0
     for i in range(len(out.closed)):
-        state.surfaces.gap[i] = UNKNOWN
+        state.surfaces.gap[i] = math.nan
 
 
 @compiled
-def _is_near(system: System, c: int, h: float, state: State, work: Workspace) -> bool:
-    """Whether the sphere around a patch, as large as it may have become, may meet its shape."""
-    surfaces, elastic = system.surfaces, system.elastic
-    contacts, patches = surfaces.contacts, surfaces.patches
-    p = contacts.patch[c]
-    s, b, f = patches.owner[p], patches.body[p], contacts.frame[c]
-    e = surfaces.bodies.flexible[s]
-    energy = 0.0
-    for i in range(elastic.modes.range[e], elastic.modes.range[e + 1]):
-        energy += 0.5 * elastic.modes.stiffness[i] * state.modes.eta[i] ** 2
-    reach = patches.radius[p] + surfaces.bodies.reach[s] * math.sqrt(energy)
-    center = row(patches.center, p)
-    place = add(row(state.bodies.x, b), rotate(state.bodies.R, b, center))
-    speed = _length(row(state.bodies.v, b))
-    omega = state.bodies.v[b, 3], state.bodies.v[b, 4], state.bodies.v[b, 5]
-    speed += _length(omega) * (patches.radius[p] + _length(center))
-    V, delta = work.frames.V, subtract(place, row(work.frames.r, f))
-    speed += _length((V[f, 0], V[f, 1], V[f, 2]))
-    speed += _length((V[f, 3], V[f, 4], V[f, 5])) * _length(delta)
-    gap, _ = _distance(surfaces, c, rotate_back(work.frames.D, f, delta))
-    return gap < reach + STEPS_AHEAD * h * speed
-
-
-@compiled
-def approach_surfaces(system: System, h: float, state: State, work: Workspace) -> bool:
-    """Whether a patch may meet its shape after a time h."""
-    for c in range(len(system.surfaces.contacts.patch)):
-        if _is_near(system, c, h, state, work):
-            return True
-    return False
-
-
-@compiled
-def _length(a: Vector) -> float:
-    return math.sqrt(dot(a, a))
-
-
-@compiled
-def _distance(surfaces: Surfaces, c: int, y: Vector) -> tuple[float, Vector]:
-    """The distance of a point from the shape of contact c, and the normal, in axes of the shape."""
-    contacts = surfaces.contacts
-    parameters = contacts.parameters[contacts.first[c] : contacts.first[c + 1]]
-    s, n, _, _ = surface_at(
-        contacts.shape[c], parameters, row(contacts.axis, c), row(contacts.across, c), y
-    )
-    return contacts.side[c] * s, scale(contacts.side[c], n)
-
-
-@compiled
-def _set_free(system: System, s: int, state: State, work: Workspace) -> None:
+def _wake(system: System, s: int, state: State, work: Workspace) -> None:
     """Displacements of the nodes of a body by the free motion of its modes, phi eta."""
     bodies, modes = system.surfaces.bodies, system.elastic.modes
+    if work.surfaces.awake[s]:
+        return
+    work.surfaces.awake[s] = 1
     e, first = bodies.flexible[s], bodies.node[s]
     begin, end = modes.range[e], modes.range[e + 1]
     m = end - begin
     for k in range(first, bodies.node[s + 1]):
         for x in range(3):
             place = bodies.phi_start[s] + (3 * (k - first) + x) * m
-            work.surfaces.free[k, x] = inner(
-                bodies.phi[place : place + m], state.modes.eta[begin:end]
-            )
+            phi = bodies.phi[place : place + m]
+            work.surfaces.free[k, x] = inner(phi, state.modes.eta[begin:end])
+
+
+@compiled
+def _is_near(system: System, c: int, h: float, state: State, work: Workspace) -> bool:
+    """Whether the sphere around a patch, as large as it may have become, may meet its target."""
+    surfaces, contacts = system.surfaces, system.surfaces.contacts
+    p, t, f = contacts.patch[c], contacts.target[c], contacts.frame[c]
+    center = _center(system, p, state)
+    reach, speed = _reach(system, p, state), _speed(system, p, state)
+    delta = subtract(center, target_origin(system, c, state, work))
+    if f >= 0:
+        V = work.frames.V
+        speed += _length((V[f, 0], V[f, 1], V[f, 2]))
+        speed += _length((V[f, 3], V[f, 4], V[f, 5])) * _length(delta)
+    if t < 0:
+        y = target_axes(system, c, delta, True, state, work)
+        gap, _, _ = distance_from_shape(surfaces, c, y)
+    else:
+        place = row(surfaces.patches.center, t)
+        gap = _length(subtract(target_axes(system, c, delta, True, state, work), place))
+        if f >= 0:
+            gap -= surfaces.patches.radius[t]
+        else:
+            gap -= _reach(system, t, state)
+            speed += _speed(system, t, state)
+    return gap < reach + STEPS_AHEAD * h * speed
+
+
+@compiled
+def _center(system: System, p: int, state: State) -> Vector:
+    """The center of the sphere around patch p of a body, in space."""
+    b = system.surfaces.patches.body[p]
+    lever = rotate(state.bodies.R, b, row(system.surfaces.patches.center, p))
+    return add(row(state.bodies.x, b), lever)
+
+
+@compiled
+def _reach(system: System, p: int, state: State) -> float:
+    """The radius of patch p, with the most that the energy of its body can move a node."""
+    surfaces, modes = system.surfaces, system.elastic.modes
+    s = surfaces.patches.owner[p]
+    e = surfaces.bodies.flexible[s]
+    energy = 0.0
+    for i in range(modes.range[e], modes.range[e + 1]):
+        energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
+    return float(surfaces.patches.radius[p] + surfaces.bodies.reach[s] * math.sqrt(energy))
+
+
+@compiled
+def _speed(system: System, p: int, state: State) -> float:
+    """A bound of the speed of the points of patch p, which move with their body."""
+    patches = system.surfaces.patches
+    b = patches.body[p]
+    turning = _length(_spin(b, state)) * (patches.radius[p] + _length(row(patches.center, p)))
+    return _length(row(state.bodies.v, b)) + turning
+
+
+@compiled
+def _spin(b: int, state: State) -> Vector:
+    return state.bodies.v[b, 3], state.bodies.v[b, 4], state.bodies.v[b, 5]
+
+
+@compiled
+def _length(a: Vector) -> float:
+    return math.sqrt(dot(a, a))
 
 
 @compiled
@@ -359,28 +385,18 @@ def _set_displacements_by_load(surfaces: Surfaces, s: int, state: State, work: W
 
 
 @compiled
-def _lever(surfaces: Surfaces, k: int, work: Workspace) -> Vector:
-    """X + u of node k, in body axes."""
-    u = add(row(work.surfaces.base, k), row(work.surfaces.by_load, k))
-    return add(row(surfaces.patches.X, k), u)
-
-
-@compiled
 def _press_island(system: System, m: int, state: State, work: Workspace) -> None:
     """Forces of the contacts of island m at the present motion, and its stiffness."""
     surfaces, out = system.surfaces, work.surfaces
     contacts = surfaces.contacts
-    if out.looks[0] < LOOKS:
+    looks = out.looks[0] < LOOKS
+    if looks:
         out.count[m] = 0
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
         c = contacts.island[w]
-        if out.near[c]:
-            if out.looks[0] < LOOKS:
-                _place_nodes(system, c, 1.0, state, work)
-                _lay_planes(system, c, work)
-                _find_candidates(system, m, c, state, work)
-            _place_nodes(system, c, 0.0, state, work)
-            _set_gaps(system, m, c, work)
+        if out.near[c] and looks:
+            place_nodes(system, c, state, work)
+            _find_candidates(system, m, c, state, work)
         elif out.looks[0] == 0:
             for i in range(contacts.row[c], contacts.row[c + 1]):
                 out.closed[i], state.surfaces.force[i] = 0, 0.0
@@ -388,8 +404,15 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     for r in range(n):
         _set_gradient(system, m, r, state, work)
         out.active[r] = out.closed[out.candidate[m, r]]
+    if looks:
+        _load_nodes(system, m, state, work)
     if _is_W_outdated(surfaces, m, work):
         _set_compliances(surfaces, m, work)
+    for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
+        c = contacts.island[w]
+        if out.near[c]:
+            place_nodes(system, c, state, work)
+            _set_gaps(system, m, c, state, work)
     count = solve_complementarity(
         n, out.W[m], out.q, out.active, out.factored[m], out.factor[m], out.order[m], out.lam, out.y
     )
@@ -400,150 +423,61 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         state.surfaces.force[i] = out.lam[r] if count >= 0 else math.nan
         state.surfaces.gap[i] = out.y[r]
     _load_nodes(system, m, state, work)
+    _push_bodies(system, m, state, work)
     _set_stiffness(system, m, max(count, 0), state, work)
-
-
-@compiled
-def _place_nodes(system: System, c: int, share: float, state: State, work: Workspace) -> None:
-    """The nodes of the patch of contact c, moved by a share of the forces of contacts."""
-    surfaces, out = system.surfaces, work.surfaces
-    patches, f = surfaces.patches, surfaces.contacts.frame[c]
-    p = surfaces.contacts.patch[c]
-    b = patches.body[p]
-    # the difference of positions first, for it is small
-    apart = subtract(row(state.bodies.x, b), row(work.frames.r, f))
-    for k in range(patches.node[p], patches.node[p + 1]):
-        u = add(row(out.base, k), scale(share, row(out.by_load, k)))
-        lever = rotate(state.bodies.R, b, add(row(patches.X, k), u))
-        y = rotate_back(work.frames.D, f, add(apart, lever))
-        for x in range(3):
-            out.place[k, x] = y[x]
-
-
-@compiled
-def _lay_planes(system: System, c: int, work: Workspace) -> None:
-    """The planes that touch the shape of contact c next to the points of its patch."""
-    surfaces, out = system.surfaces, work.surfaces
-    patches, p = surfaces.patches, surfaces.contacts.patch[c]
-    first = patches.point[p]
-    for q in range(first, patches.point[p + 1]):
-        y = (0.0, 0.0, 0.0)
-        for z in range(patches.width):
-            k = patches.nodes[q, z]
-            if k < 0:
-                break
-            y = add(y, scale(patches.N[q, z], row(out.place, k)))
-        gap, n = _distance(surfaces, c, y)
-        for x in range(3):
-            out.plane[q - first, x] = n[x]
-        out.plane[q - first, 3] = gap - dot(n, y)
 
 
 @compiled
 def _find_candidates(system: System, m: int, c: int, state: State, work: Workspace) -> None:
     """Rows of contact c that may be closed at the end of the step, with their gradients."""
     surfaces, out = system.surfaces, work.surfaces
-    contacts, patches = surfaces.contacts, surfaces.patches
-    p, first = contacts.patch[c], contacts.row[c]
+    contacts = surfaces.contacts
     margin = contacts.margin[c]
     if math.isnan(margin):
         margin = 2.0 * system.scheme.h * _closing_speed(system, c, state, work)
-    gaps = state.surfaces.gap
-    for i in range(first, contacts.row[c + 1]):
-        gaps[i] = 0.0
-    for q in range(patches.point[p], patches.point[p + 1]):
-        place = q - patches.point[p]
-        y = (0.0, 0.0, 0.0)
-        for z in range(patches.width):
-            k = patches.nodes[q, z]
-            if k < 0:
-                break
-            y = add(y, scale(patches.N[q, z], row(out.place, k)))
-        gap = dot(row(out.plane, place), y) + out.plane[place, 3]
-        for z in range(4):
-            i = patches.rows[q, z]
-            if i < 0:
-                break
-            gaps[i - patches.row[p] + first] += patches.weight[q, z] * gap
-    for i in range(first, contacts.row[c + 1]):
-        # Without its force a closed row would penetrate: it stays a candidate.
-        if gaps[i] < margin or out.closed[i]:
+    look_at_target(system, c, margin, work)
+    set_row_gaps(surfaces, c, state, work)
+    for i in range(contacts.row[c], contacts.row[c + 1]):
+        gap = state.surfaces.gap[i]
+        # Without its force a closed row would penetrate: it stays a candidate while it is covered.
+        if gap < margin or (out.closed[i] and not math.isnan(gap)):
             r = out.count[m]
             out.candidate[m, r], out.contact[m, r] = i, c
             out.count[m] = r + 1
-            _face(surfaces, c, i, work)
+            face_target(surfaces, c, i, work)
         else:
             out.closed[i], state.surfaces.force[i] = 0, 0.0
 
 
 @compiled
-def _face(surfaces: Surfaces, c: int, i: int, work: Workspace) -> None:
-    """The gradient of row i of contact c by its nodes, and its offset, of the present planes."""
-    patches, out = surfaces.patches, work.surfaces
-    p = surfaces.contacts.patch[c]
-    local = i - surfaces.contacts.row[c] + patches.row[p]
-    begin, end, first = _support_of_row(surfaces, c, i)
-    for j in range(end - begin):
-        for x in range(3):
-            out.facing[first + j, x] = 0.0
-    offset = 0.0
-    for t in range(patches.row_point[local], patches.row_point[local + 1]):
-        q = patches.point_of_row[t]
-        place = q - patches.point[p]
-        weight = patches.weight_of_row[t]
-        offset += weight * out.plane[place, 3]
-        for z in range(patches.width):
-            if patches.nodes[q, z] < 0:
-                break
-            j = first + patches.slot_of_row[t, z]
-            for x in range(3):
-                out.facing[j, x] += weight * patches.N[q, z] * out.plane[place, x]
-    out.offset[i] = offset
-
-
-@compiled
-def _set_gaps(system: System, m: int, c: int, work: Workspace) -> None:
-    """q: gaps of the candidates of contact c without the forces of contacts."""
-    surfaces, out = system.surfaces, work.surfaces
-    for r in range(out.count[m]):
-        if out.contact[m, r] == c:
-            begin, end, first = _supports(surfaces, m, r, work)
-            total = out.offset[out.candidate[m, r]]
-            for j in range(begin, end):
-                place = row(out.place, surfaces.patches.support[j])
-                total += dot(row(out.facing, first + j - begin), place)
-            out.q[r] = total
-
-
-@compiled
 def _closing_speed(system: System, c: int, state: State, work: Workspace) -> float:
-    """A bound of the speed at which the patch of contact c and its shape move, as rigid bodies."""
-    surfaces = system.surfaces
-    patches = surfaces.patches
-    p, f = surfaces.contacts.patch[c], surfaces.contacts.frame[c]
+    """A bound of the speed at which the patch of contact c and its target move as rigid bodies."""
+    surfaces, V, f = system.surfaces, work.frames.V, system.surfaces.contacts.frame[c]
+    patches, p = surfaces.patches, surfaces.contacts.patch[c]
+    center = _center(system, p, state)
     b = patches.body[p]
-    omega = state.bodies.v[b, 3], state.bodies.v[b, 4], state.bodies.v[b, 5]
-    center = row(patches.center, p)
-    turning = cross(omega, center)
-    velocity = add(row(state.bodies.v, b), rotate(state.bodies.R, b, turning))
-    V = work.frames.V
-    place = add(row(state.bodies.x, b), rotate(state.bodies.R, b, center))
-    arm = subtract(place, row(work.frames.r, f))
-    carried = add((V[f, 0], V[f, 1], V[f, 2]), cross((V[f, 3], V[f, 4], V[f, 5]), arm))
-    spins = _length(omega) + _length((V[f, 3], V[f, 4], V[f, 5]))
-    return _length(subtract(velocity, carried)) + spins * patches.radius[p]
+    omega = rotate(state.bodies.R, b, _spin(b, state))
+    velocity = add(row(state.bodies.v, b), cross(omega, subtract(center, row(state.bodies.x, b))))
+    arm = subtract(center, target_origin(system, c, state, work))
+    if f >= 0:
+        other, turning = (V[f, 0], V[f, 1], V[f, 2]), (V[f, 3], V[f, 4], V[f, 5])
+    else:
+        t = patches.body[surfaces.contacts.target[c]]
+        other, turning = row(state.bodies.v, t), rotate(state.bodies.R, t, _spin(t, state))
+    other = add(other, cross(turning, arm))
+    spins = _length(omega) + _length(turning)
+    return _length(subtract(velocity, other)) + spins * patches.radius[p]
 
 
 @compiled
 def _set_gradient(system: System, m: int, r: int, state: State, work: Workspace) -> None:
-    """b of candidate r, and its mean normal, in body axes."""
-    surfaces, out = system.surfaces, work.surfaces
-    c = out.contact[m, r]
-    b, f = surfaces.patches.body[surfaces.contacts.patch[c]], surfaces.contacts.frame[c]
-    begin, end, first = _supports(surfaces, m, r, work)
+    """b of candidate r, and its mean normal, in the axes of its body."""
+    out, c = work.surfaces, work.surfaces.contact[m, r]
+    b = system.surfaces.patches.body[system.surfaces.contacts.patch[c]]
+    begin, end, first = _supports(system.surfaces, m, r, work)
     mean = (0.0, 0.0, 0.0)
     for j in range(first, first + end - begin):
-        n = rotate(work.frames.D, f, row(out.facing, j))
+        n = target_axes(system, c, row(out.facing, j), False, state, work)
         n = rotate_back(state.bodies.R, b, n)
         mean = add(mean, n)
         for x in range(3):
@@ -554,20 +488,54 @@ def _set_gradient(system: System, m: int, r: int, state: State, work: Workspace)
 
 @compiled
 def _supports(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int, int, int]:
-    """The supports of candidate r of island m, see `_support_of_row`."""
-    return _support_of_row(surfaces, work.surfaces.contact[m, r], work.surfaces.candidate[m, r])
-
-
-@compiled
-def _support_of_row(surfaces: Surfaces, c: int, i: int) -> tuple[int, int, int]:
-    """The first and last node around row i of contact c, as places in `support`, and the place of
-    the first in `gradient`.
+    """The first and last node around candidate r of island m, as places in `support`, and the place
+    of the first in `gradient`.
     """
     contacts, patches = surfaces.contacts, surfaces.patches
+    c, i = work.surfaces.contact[m, r], work.surfaces.candidate[m, r]
     p = contacts.patch[c]
     local = i - contacts.row[c] + patches.row[p]
     begin, end = patches.support_range[local], patches.support_range[local + 1]
     return begin, end, contacts.support[c] + begin - patches.support_range[patches.row[p]]
+
+
+@compiled
+def _others(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int, int]:
+    """The first and last node of a flexible target that candidate r meets, as places in `other`."""
+    i = work.surfaces.candidate[m, r]
+    first = surfaces.contacts.other[i]
+    if surfaces.contacts.frame[work.surfaces.contact[m, r]] >= 0:
+        return first, first
+    return first, first + work.surfaces.other_count[i]
+
+
+@compiled
+def _set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> None:
+    """q: gaps of the candidates of contact c, less those by their forces."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, t = surfaces.contacts, surfaces.contacts.target[c]
+    for r in range(out.count[m]):
+        if out.contact[m, r] != c:
+            continue
+        i = out.candidate[m, r]
+        begin, end, first = _supports(surfaces, m, r, work)
+        total = out.offset[i]
+        for j in range(begin, end):
+            place = row(out.place, surfaces.patches.support[j])
+            total += dot(row(out.facing, first + j - begin), place)
+        if t >= 0:
+            for j in range(contacts.other[i], contacts.other[i] + out.other_count[i]):
+                total += dot(row(out.other_gradient, j), row(out.place, out.other[j]))
+        for o in range(out.count[m]):
+            total -= out.W[m, r, o] * state.surfaces.force[out.candidate[m, o]]
+        # that of a layer is no displacement of the nodes
+        out.q[r] = total + _layer(surfaces, c, i, work) * state.surfaces.force[i]
+
+
+@compiled
+def _layer(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
+    """The compliance of the layer at row i [m/N]."""
+    return float(surfaces.contacts.layer[c] / work.surfaces.area[i])
 
 
 @compiled
@@ -585,98 +553,176 @@ def _is_W_outdated(surfaces: Surfaces, m: int, work: Workspace) -> bool:
             for x in range(3):
                 if abs(out.gradient[j, x] - out.W_gradient[j, x]) > MAX_TURN:
                     return True
+        begin, end = _others(surfaces, m, r, work)
+        for j in range(begin, end):
+            if out.other[j] != out.W_other[j]:
+                return True
+            for x in range(3):
+                if abs(out.other_gradient[j, x] - out.W_other_gradient[j, x]) > MAX_TURN:
+                    return True
     return False
 
 
 @compiled
 def _set_compliances(surfaces: Surfaces, m: int, work: Workspace) -> None:
     """W of the candidates of island m: gaps by forces, of bodies and of layers."""
-    out = work.surfaces
-    bodies, patches, contacts = surfaces.bodies, surfaces.patches, surfaces.contacts
+    out, contacts, patches = work.surfaces, surfaces.contacts, surfaces.patches
     n = out.count[m]
     for r in range(n):
-        c = out.contact[m, r]
+        for o in range(n):
+            out.W[m, r, o] = 0.0
+    for r in range(n):
+        c, i = out.contact[m, r], out.candidate[m, r]
         s = patches.owner[contacts.patch[c]]
-        first, last = bodies.node[s], bodies.node[s + 1]
-        width_of_G = 3 * (last - first)
-        column = out.column[:width_of_G]
-        column[:] = 0.0
-        begin, end, place = _supports(surfaces, m, r, work)
+        _clear_column(surfaces, s, work)
+        begin, end, first = _supports(surfaces, m, r, work)
         for j in range(begin, end):
+            b = row(out.gradient, first + j - begin)
+            _add_to_column(surfaces, s, patches.support[j], b, work)
             for x in range(3):
-                b = out.gradient[place + j - begin, x]
-                out.W_gradient[place + j - begin, x] = b
-                if b != 0.0:
-                    start = bodies.G_start[s]
-                    start += (3 * (patches.support[j] - first) + x) * width_of_G
-                    G = bodies.G[start : start + width_of_G]
-                    for i in range(width_of_G):
-                        column[i] += b * G[i]
-        for other in range(r + 1):
-            total = 0.0
-            if patches.owner[contacts.patch[out.contact[m, other]]] == s:
-                begin, end, place = _supports(surfaces, m, other, work)
-                for j in range(begin, end):
-                    k = 3 * (patches.support[j] - first)
-                    for x in range(3):
-                        total += out.gradient[place + j - begin, x] * column[k + x]
-            out.W[m, r, other] = total
-            out.W[m, other, r] = total
-        local = out.candidate[m, r] - contacts.row[c] + patches.row[contacts.patch[c]]
-        out.W[m, r, r] += contacts.layer[c] / patches.area[local]
-        out.W_row[m, r] = out.candidate[m, r]
+                out.W_gradient[first + j - begin, x] = b[x]
+        _add_column(surfaces, m, r, s, work)
+        begin, end = _others(surfaces, m, r, work)
+        if begin < end:
+            s = patches.owner[contacts.target[c]]
+            _clear_column(surfaces, s, work)
+            for j in range(begin, end):
+                b = row(out.other_gradient, j)
+                _add_to_column(surfaces, s, out.other[j], b, work)
+                out.W_other[j] = out.other[j]
+                for x in range(3):
+                    out.W_other_gradient[j, x] = b[x]
+            _add_column(surfaces, m, r, s, work)
+        out.W[m, r, r] += _layer(surfaces, c, i, work)
+        out.W_row[m, r] = i
+    for r in range(n):
+        for o in range(r):
+            out.W[m, o, r] = out.W[m, r, o]
     out.W_count[m] = n
-    out.factored[m, 0] = -1
+    if n:
+        out.factored[m, 0] = -1
+
+
+@compiled
+def _clear_column(surfaces: Surfaces, s: int, work: Workspace) -> None:
+    n = 3 * (surfaces.bodies.node[s + 1] - surfaces.bodies.node[s])
+    for i in range(n):
+        work.surfaces.column[i] = 0.0
+
+
+@compiled
+def _add_to_column(surfaces: Surfaces, s: int, k: int, b: Vector, work: Workspace) -> None:
+    """Displacements of the nodes of body s by a force b on node k."""
+    bodies = surfaces.bodies
+    first = bodies.node[s]
+    n = 3 * (bodies.node[s + 1] - first)
+    column = work.surfaces.column[:n]
+    for x in range(3):
+        if b[x] != 0.0:
+            start = bodies.G_start[s] + (3 * (k - first) + x) * n
+            G = bodies.G[start : start + n]
+            for i in range(n):
+                column[i] += b[x] * G[i]
+
+
+@compiled
+def _add_column(surfaces: Surfaces, m: int, r: int, s: int, work: Workspace) -> None:
+    """Gaps of the candidates up to r by the displacements of the nodes of body s."""
+    out, contacts, patches = work.surfaces, surfaces.contacts, surfaces.patches
+    node = surfaces.bodies.node[s]
+    for o in range(r + 1):
+        total, c = 0.0, out.contact[m, o]
+        if patches.owner[contacts.patch[c]] == s:
+            begin, end, first = _supports(surfaces, m, o, work)
+            for j in range(begin, end):
+                k = 3 * (patches.support[j] - node)
+                for x in range(3):
+                    total += out.gradient[first + j - begin, x] * out.column[k + x]
+        if contacts.frame[c] < 0 and patches.owner[contacts.target[c]] == s:
+            begin, end = _others(surfaces, m, o, work)
+            for j in range(begin, end):
+                k = 3 * (out.other[j] - node)
+                for x in range(3):
+                    total += out.other_gradient[j, x] * out.column[k + x]
+        out.W[m, r, o] += total
 
 
 @compiled
 def _load_nodes(system: System, m: int, state: State, work: Workspace) -> None:
-    """Forces on the nodes of the bodies of island m, and on the frames of its shapes."""
+    """Forces on the nodes of the bodies of island m, and their displacements by these."""
     surfaces, out = system.surfaces, work.surfaces
-    contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
-    for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
-        s = patches.owner[contacts.patch[contacts.island[w]]]
-        for k in range(bodies.node[s], bodies.node[s + 1]):
-            for x in range(3):
-                state.surfaces.load[k, x] = 0.0
-    for r in range(out.count[m]):
-        force = state.surfaces.force[out.candidate[m, r]]
-        if force != 0.0:
-            begin, end, place = _supports(surfaces, m, r, work)
-            for j in range(begin, end):
-                k = patches.support[j]
+    patches = surfaces.patches
+    for s in range(len(surfaces.bodies.flexible)):
+        if surfaces.bodies.island[s] == m and out.awake[s]:
+            for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
                 for x in range(3):
-                    state.surfaces.load[k, x] += force * out.gradient[place + j - begin, x]
-    for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
-        s = patches.owner[contacts.patch[contacts.island[w]]]
-        if out.awake[s]:
-            _set_displacements_by_load(surfaces, s, state, work)
+                    state.surfaces.load[k, x] = 0.0
     for r in range(out.count[m]):
         force = state.surfaces.force[out.candidate[m, r]]
         if force != 0.0:
-            linear, moment = _wrench_on_frame(system, m, r, state, work)
-            f = contacts.frame[out.contact[m, r]]
-            add_to_row(work.frames.wrench, f, 0, scale(force, linear))
-            add_to_row(work.frames.wrench, f, 3, scale(force, moment))
+            begin, end, first = _supports(surfaces, m, r, work)
+            for j in range(begin, end):
+                for x in range(3):
+                    by_row = force * out.gradient[first + j - begin, x]
+                    state.surfaces.load[patches.support[j], x] += by_row
+            begin, end = _others(surfaces, m, r, work)
+            for j in range(begin, end):
+                for x in range(3):
+                    state.surfaces.load[out.other[j], x] += force * out.other_gradient[j, x]
+    for s in range(len(surfaces.bodies.flexible)):
+        if surfaces.bodies.island[s] == m and out.awake[s]:
+            _set_displacements_by_load(surfaces, s, state, work)
 
 
 @compiled
-def _wrench_on_frame(
-    system: System, m: int, r: int, state: State, work: Workspace
-) -> tuple[Vector, Vector]:
-    """The wrench of a unit force of candidate r on the frame of its shape, in space."""
+def _push_bodies(system: System, m: int, state: State, work: Workspace) -> None:
+    """Forces and moments of the rows of island m on bodies as a whole, and on frames of targets."""
     surfaces, out = system.surfaces, work.surfaces
-    patches, c = surfaces.patches, out.contact[m, r]
-    b, f = patches.body[surfaces.contacts.patch[c]], surfaces.contacts.frame[c]
-    apart = subtract(row(state.bodies.x, b), row(work.frames.r, f))
-    begin, end, place = _supports(surfaces, m, r, work)
+    contacts, patches = surfaces.contacts, surfaces.patches
+    for r in range(out.count[m]):
+        force = state.surfaces.force[out.candidate[m, r]]
+        if force == 0.0:
+            continue
+        c = out.contact[m, r]
+        linear, moment = _wrench(system, m, r, work)
+        s, f = patches.owner[contacts.patch[c]], contacts.frame[c]
+        add_to_row(out.push, s, 0, scale(force, linear))
+        add_to_row(out.push, s, 3, scale(force, moment))
+        linear, moment = _wrench_on_target(system, m, r, state, work)
+        if f >= 0:
+            add_to_row(work.frames.wrench, f, 0, scale(force, linear))
+            add_to_row(work.frames.wrench, f, 3, scale(force, moment))
+        else:
+            b, s = patches.body[contacts.target[c]], patches.owner[contacts.target[c]]
+            add_to_row(out.push, s, 0, scale(force, rotate_back(state.bodies.R, b, linear)))
+            add_to_row(out.push, s, 3, scale(force, rotate_back(state.bodies.R, b, moment)))
+
+
+@compiled
+def _wrench(system: System, m: int, r: int, work: Workspace) -> tuple[Vector, Vector]:
+    """Force and moment of a unit force of candidate r on its body, in body axes."""
+    surfaces, out = system.surfaces, work.surfaces
+    begin, end, first = _supports(surfaces, m, r, work)
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for j in range(begin, end):
-        gradient = rotate(state.bodies.R, b, row(out.gradient, place + j - begin))
-        lever = rotate(state.bodies.R, b, _lever(surfaces, patches.support[j], work))
-        force = subtract(force, gradient)
-        moment = subtract(moment, cross(add(apart, lever), gradient))
+        b = row(out.gradient, first + j - begin)
+        force = add(force, b)
+        moment = add(moment, cross(deformed(surfaces, surfaces.patches.support[j], work), b))
     return force, moment
+
+
+@compiled
+def _wrench_on_target(
+    system: System, m: int, r: int, state: State, work: Workspace
+) -> tuple[Vector, Vector]:
+    """The opposite wrench on the target, about the origin of its axes, in space."""
+    surfaces, c = system.surfaces, work.surfaces.contact[m, r]
+    b = surfaces.patches.body[surfaces.contacts.patch[c]]
+    force, moment = _wrench(system, m, r, work)
+    force = scale(-1.0, rotate(state.bodies.R, b, force))
+    moment = scale(-1.0, rotate(state.bodies.R, b, moment))
+    apart = subtract(row(state.bodies.x, b), target_origin(system, c, state, work))
+    return force, add(moment, cross(apart, force))
 
 
 @compiled
@@ -703,43 +749,58 @@ def _set_derivative(
     system: System, m: int, r: int, D: Array, state: State, work: Workspace
 ) -> None:
     """D of candidate r by the coordinates of the bodies of island m."""
-    surfaces, elastic, out = system.surfaces, system.elastic, work.surfaces
-    contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, patches = surfaces.contacts, surfaces.patches
     for z in range(contacts.coordinates[m]):
         D[z] = 0.0
     c = out.contact[m, r]
-    s, f = patches.owner[contacts.patch[c]], contacts.frame[c]
-    e, own = bodies.flexible[s], contacts.coordinate[c, 0]
-    n_a = elastic.active_range[e + 1] - elastic.active_range[e]
-    begin, end, place = _supports(surfaces, m, r, work)
+    own, other, f = contacts.coordinate[c, 0], contacts.coordinate[c, 1], contacts.frame[c]
+    force, moment = _wrench(system, m, r, work)
+    for x in range(3):
+        D[own + x] += force[x]
+        D[own + 3 + x] += moment[x]
+    begin, end, first = _supports(surfaces, m, r, work)
+    s = patches.owner[contacts.patch[c]]
     for j in range(begin, end):
-        k = patches.support[j]
-        b = row(out.gradient, place + j - begin)
-        by_rotation = cross(_lever(surfaces, k, work), b)
-        for x in range(3):
-            D[own + x] += b[x]
-            D[own + 3 + x] += by_rotation[x]
-            start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
-            for i in range(n_a):
-                D[own + 6 + i] += b[x] * bodies.T[start + i]
-    other = contacts.coordinate[c, 1]
-    if other >= 0:
-        wrench = _wrench_on_frame(system, m, r, state, work)
-        pull_back(system.frames, f, wrench, state, work, out.wrench)
+        b = row(out.gradient, first + j - begin)
+        _add_by_interfaces(system, s, patches.support[j], b, own + 6, D)
+    if other < 0:
+        return
+    force, moment = _wrench_on_target(system, m, r, state, work)
+    if f >= 0:
+        pull_back(system.frames, f, (force, moment), state, work, out.wrench)
         for z in range(width(system.frames, f)):
             D[other + coordinate(system.frames, f, z)] += out.wrench[z]
+        return
+    t = patches.body[contacts.target[c]]
+    force = rotate_back(state.bodies.R, t, force)
+    moment = rotate_back(state.bodies.R, t, moment)
+    for x in range(3):
+        D[other + x] += force[x]
+        D[other + 3 + x] += moment[x]
+    begin, end = _others(surfaces, m, r, work)
+    s = patches.owner[contacts.target[c]]
+    for j in range(begin, end):
+        _add_by_interfaces(system, s, out.other[j], row(out.other_gradient, j), other + 6, D)
+
+
+@compiled
+def _add_by_interfaces(system: System, s: int, k: int, b: Vector, first: int, D: Array) -> None:
+    """D += T^T b of node k of body s, from place `first` on."""
+    bodies, elastic = system.surfaces.bodies, system.elastic
+    e = bodies.flexible[s]
+    n_a = elastic.active_range[e + 1] - elastic.active_range[e]
+    for x in range(3):
+        start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
+        for i in range(n_a):
+            D[first + i] += b[x] * bodies.T[start + i]
 
 
 @compiled
 def _add_interface_load(system: System, s: int, k: int, f: Vector, work: Workspace) -> None:
     """interface_load += T^T f of node k of body s."""
-    bodies, elastic = system.surfaces.bodies, system.elastic
-    e = bodies.flexible[s]
-    begin, n_a = elastic.active_range[e], elastic.active_range[e + 1] - elastic.active_range[e]
-    for x in range(3):
-        start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
-        for i in range(n_a):
-            work.surfaces.interface_load[begin + i] += bodies.T[start + i] * f[x]
+    begin = system.elastic.active_range[system.surfaces.bodies.flexible[s]]
+    _add_by_interfaces(system, s, k, f, begin, work.surfaces.interface_load)
 
 
 @compiled
