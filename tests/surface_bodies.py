@@ -67,11 +67,11 @@ def dome(fine: float, count: int, depth: int, pad: float) -> du.Part:
 
 
 def ball_coarse() -> du.Superelement:
-    return ball(0.03, 2, 2, 2.2, 0.09).superelement(step=5e-7, band=3e5)
+    return ball(0.03, 3, 2, 2.2, 0.12).superelement(step=5e-7, band=3e5)
 
 
 def ball_fine() -> du.Superelement:
-    return ball(0.01, 6, 8, 1.5, 0.075).superelement(step=5e-7, band=2.7e5)
+    return ball(0.014, 5, 8, 1.6, 0.075).superelement(step=5e-7, band=2.7e5)
 
 
 def bar_end() -> du.Superelement:
