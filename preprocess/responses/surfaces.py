@@ -13,10 +13,11 @@ from ..memory import require
 from ..solving.factor import Solve
 from .band import Band
 from .basis import Basis
+from .condensation import condensed
 from .damping import damped_modes
 from .lanczos import modes_up_to
 from .ritz import ritz_modes, space_shapes
-from .search import CHANGE_FACTOR, Watch
+from .search import CHANGE_FACTOR, CONDENSATION_ERROR_SHARE, OF_FIELDS, Watch, only
 from .shapes import Shapes
 from .static import refined, static_solver
 
@@ -129,10 +130,14 @@ def _with_interfaces(
         before, found = found, _Found.of(structure, damping, band, basis)
         error = CHANGE_FACTOR * found.change(before, band, fields)
         watch(f"{len(found.modes.omega)} modes, {block + 1} blocks, error {error:.1e}")
-        if error <= tolerance:
+        if error <= (1.0 - CONDENSATION_ERROR_SHARE) * tolerance:
             break
         W = solve(structure.M @ basis.V[:, basis.columns - new :])
-    return found.modes, found.shapes, error
+    share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
+    few = condensed(found.modes, damping, band, share, fields, found.with_rotation.phi)
+    order = np.argsort(few.modes.omega)
+    modes = only(few.modes, order)
+    return modes, space_shapes(basis, found.Q @ few.Y[:, order]), error + few.error
 
 
 @dataclass(frozen=True, eq=False)
