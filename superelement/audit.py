@@ -14,11 +14,14 @@ from .checks import (
     MAX_RELATIVE_DEVIATION,
     Check,
     as_modes,
+    band_rest,
     decay,
     deviation,
     negative_part,
     quick_checks,
+    rest_spread,
     scale_of,
+    spread_of,
 )
 from .kernel import sample_kernel
 from .modes import Modes
@@ -71,6 +74,10 @@ def _checks(element: Superelement) -> Iterator[Check]:
     if element.outline is not None and element.outline.n_facets:
         yield _closed(element.outline)
     yield from quick_checks(element)
+    if element.surfaces is not None and element.modes is not None:
+        yield _reciprocal("static/surface", element.surfaces.H[None])
+        band = element.kernel.band or np.inf
+        yield rest_spread(spread_of(band_rest(element.surfaces, element.modes, band)))
     # A body without interfaces has no kernel that could be wrong.
     if element.n_c:
         yield _free_of_rigid_motion(element)

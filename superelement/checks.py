@@ -14,6 +14,7 @@ from .modes import Modes
 from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .superelement import Superelement
+from .surfaces import Surfaces
 from .validation import SuperelementError
 
 # Iterative solvers of large systems leave that much, relative to the scale of the rows.
@@ -21,6 +22,11 @@ MAX_RELATIVE_DEVIATION = 1e-6
 # Relative to the largest row of its kind, displacements or rotations: what is smaller is rounding
 # of the others.
 MIN_RELATIVE_ROW_SCALE = 1e-4
+# Of the compliance of surfaces beside their modes, relative to its diagonal: rounding of solutions.
+MAX_NEGATIVE_REST = 1e-8
+# Of what is left beside the modes of the band: it is 10 or so where the mesh resolves the band, and
+# grows without bounds where modes take up all that the mesh can do.
+MAX_REST_SPREAD = 1e4
 # A transform ends with the last lag of a kernel, which must be rounding at the delays looked at.
 DECADES_OF_DECAY = 12.0
 
@@ -91,6 +97,8 @@ def quick_checks(element: Superelement) -> Iterator[Check]:
         yield from _of_channels(element)
     if element.rotation is not None:
         yield from _of_rotation(element, element.rotation)
+    if element.surfaces is not None and element.modes is not None:
+        yield from _of_surfaces(element.surfaces, element.modes, element.kernel.band or np.inf)
 
 
 def deviation(found: Any, expected: Any, scale: Array) -> float:
@@ -280,6 +288,60 @@ def _of_energy(where: str, tensor: Array) -> Check:
         max(float(np.abs(tensor - other).max(initial=0.0)) for other in turned) / largest,
         MAX_RELATIVE_DEVIATION,
     )
+
+
+def _of_surfaces(surfaces: Surfaces, modes: Modes, band: float) -> Iterator[Check]:
+    """No modes have more compliance than all, and those of the band [Hz] leave some everywhere."""
+    scale = np.sqrt(np.maximum(surfaces.H.diagonal(), np.finfo(float).tiny))
+    rest = surfaces.F(modes.omega) / np.outer(scale, scale)
+    negative = 0.0
+    if not _is_definite(rest + MAX_NEGATIVE_REST * np.eye(len(rest))):
+        negative = -float(np.linalg.eigvalsh(rest)[0])
+    yield Check(
+        "static/surface",
+        "no more compliance in the modes than there is",
+        "a negative eigenvalue of the rest, relative to the diagonal,",
+        negative,
+        MAX_NEGATIVE_REST,
+    )
+    rest = band_rest(surfaces, modes, band)
+    # The largest sum of a row is a bound of the largest eigenvalue.
+    least = np.abs(rest).sum(axis=1).max(initial=0.0) / MAX_REST_SPREAD
+    enough = _is_definite(rest - least * np.eye(len(rest)))
+    yield rest_spread(0.0 if enough else spread_of(rest))
+
+
+def band_rest(surfaces: Surfaces, modes: Modes, band: float) -> Array:
+    """The flexibility beside the modes up to a frequency [Hz], each node of the mesh once."""
+    rows = surfaces.distinct
+    rest: Array = surfaces.F(modes.omega, 2.0 * np.pi * band)[np.ix_(rows, rows)]
+    return rest
+
+
+def rest_spread(found: float) -> Check:
+    """The check of the spread of eigenvalues of what is left beside the modes of the band."""
+    return Check(
+        "static/surface",
+        "a static rest beside the modes of the band (else lower impulse.band, or refine the mesh)",
+        "a largest over its smallest eigenvalue",
+        found,
+        MAX_REST_SPREAD,
+    )
+
+
+def spread_of(A: Array) -> float:
+    """The largest over the smallest eigenvalue, infinite for a matrix that is not definite."""
+    values = np.linalg.eigvalsh(A)
+    return float(values[-1] / values[0]) if values[0] > 0.0 else np.inf
+
+
+def _is_definite(A: Array) -> bool:
+    """Whether a symmetric matrix is positive definite: far sooner known than its eigenvalues."""
+    try:
+        np.linalg.cholesky(A)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def as_modes(element: Superelement, where: str, what: str, found: Any, expected: Any) -> Check:

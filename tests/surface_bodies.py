@@ -36,9 +36,7 @@ def ball(fine: float, count: int, depth: int, growth: float, cap: float) -> du.P
     along = -1.0 + graded(0.75 * fine, depth, growth, 2.0)
     cube = skfem.MeshHex.init_tensor(across, across, along)
     x, y, z = cube.p**2
-    stretch = [
-        np.sqrt(1.0 - a / 2.0 - b / 2.0 + a * b / 3.0) for a, b in ((y, z), (x, z), (x, y))
-    ]
+    stretch = [np.sqrt(1.0 - a / 2.0 - b / 2.0 + a * b / 3.0) for a, b in ((y, z), (x, z), (x, y))]
     part = du.Part(skfem.MeshHex(RADIUS * cube.p * stretch, cube.t), STEEL, name="ball")
     part.surface("cap", du.sphere([0.0, 0.0, -RADIUS], cap * RADIUS))
     return part
@@ -67,11 +65,11 @@ def dome(fine: float, count: int, depth: int, pad: float) -> du.Part:
 
 
 def ball_coarse() -> du.Superelement:
-    return ball(0.03, 2, 2, 2.2, 0.09).superelement(step=5e-7, band=3e5)
+    return ball(0.03, 3, 2, 2.2, 0.12).superelement(step=5e-7, band=3e5)
 
 
 def ball_fine() -> du.Superelement:
-    return ball(0.01, 6, 8, 1.5, 0.075).superelement(step=5e-7, band=2.7e5)
+    return ball(0.014, 5, 8, 1.6, 0.075).superelement(step=5e-7, band=2.7e5)
 
 
 def bar_end() -> du.Superelement:

@@ -1,68 +1,62 @@
-"""All modes of a free body up to a frequency, by Lanczos' method."""
+"""All modes of a free body up to a frequency, by Lanczos' method with blocks of vectors."""
+
+from dataclasses import replace
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
+import scipy.sparse as sp
 
 from ...superelement.validation import Array
-from ..assembly.rigid import project, relieve
 from ..assembly.structure import RIGID_DOFS, Structure
 from ..errors import MethodError
 from ..solving.factor import Solve
-from .search import Watch
+from .krylov import MIN_BLOCKS, KrylovSpace
+from .search import MAX_UNCHECKED_GROWTH, Watch
 
-MODES_OF_A_RUN = 48
-"""Modes that a run of Lanczos' method looks for: more take more memory, fewer more solutions."""
-N_CHECKED_MODES = 4
-"""Modes looked for beside those found: of equal frequencies Lanczos' method may miss one."""
-MAX_MODES_SHARE = 0.5
-"""of the unknowns: beyond, the band holds what no mesh resolves, and nothing is left to be static
+BLOCK_VECTORS = 8
+"""Vectors of a block: solutions take as many at the price of fewer, and no body has as many modes
+of the same frequency.
 """
+MAX_FREQUENCY_CHANGE = 1e-12
+"""of a mode by the last block, relative: the square of the error of its shape"""
+MAX_SHARE_OF_GAP = 0.1
+"""What the last block may change the first mode beyond the band by, over its distance from it."""
 
 
-def modes_up_to(
-    structure: Structure, solve: Solve, highest: float, watch: Watch
-) -> tuple[Array, Array]:
-    """omega (m,) [rad/s], ascending, up to `highest`, and shapes (n_u, m) with phi^T M phi = 1.
+def modes_up_to(structure: Structure, solve: Solve, highest: float, watch: Watch) -> Array:
+    """The shapes (n_u, m) of all elastic modes up to `highest` [rad/s], phi^T M phi = 1.
 
-    solve: f -> P K^+ f, by which rigid modes have the value 0 and are not looked for. Each run
-    looks beside what is found already, the last one for what others have missed. `MethodError` for
-    more than `MAX_MODES_SHARE` of the unknowns.
+    solve: f -> P K^+ f, for loads that balance themselves. The space grows from random loads, which
+    excite all modes, until the modes up to `highest`, and the next one, do not change any more.
+    `MethodError` where that takes more vectors than there is time and memory for. Source: G. H.
+    Golub, R. Underwood, Mathematical Software III (1977) 361-377.
     """
-    squares, shapes = np.zeros(0), np.zeros((structure.n_u, 0))
-    most = int(MAX_MODES_SHARE * structure.n_u)
-    count = MODES_OF_A_RUN
-    while True:
-        free = structure.n_u - RIGID_DOFS - len(squares)
-        found, more = _run(structure, solve, shapes, min(count, free // 2))
-        inside = found <= highest**2
-        squares = np.concatenate([squares, found[inside]])
-        shapes = np.hstack([shapes, more[:, inside]])
-        watch(f"{len(squares)} modes")
-        if len(squares) > most:
+    motions = np.random.default_rng(0).standard_normal((structure.n_u, BLOCK_VECTORS))
+    # Loads in proportion to the mass: others would excite what is local to fine parts of the mesh.
+    started = replace(structure, P_C=sp.csr_array((structure.M @ motions).T))
+    space = KrylovSpace(started, 0.0, solver=lambda *_: solve)
+    check, inside = MIN_BLOCKS, 0
+    while space.grow():
+        if space.blocks < check:
+            continue
+        omega, Q = space.ritz(space.blocks)
+        inside = int(np.searchsorted(omega, highest, side="right"))
+        watch(f"{inside} modes in {space.dimension} vectors")
+        changes = space.frequency_changes(omega, Q)
+        if inside < len(omega):
+            # The next one, which is found too high, stays beyond.
+            beyond = MAX_SHARE_OF_GAP * (omega[inside] / highest - 1.0)
+            still = changes[:inside].max(initial=0.0) <= MAX_FREQUENCY_CHANGE
+            if still and changes[inside] <= max(beyond, MAX_FREQUENCY_CHANGE):
+                break
+        check = space.blocks + 1 + int(MAX_UNCHECKED_GROWTH * space.blocks)
+        if space.basis.columns + (check - space.blocks) * BLOCK_VECTORS > space.room:
             raise MethodError(
-                f"impulse.band: more than {most} of the {structure.n_u} modes of the mesh are "
-                f"below {highest / (2.0 * np.pi):g} Hz: a lower band or a finer mesh"
+                f"impulse.band: the modes up to {highest / (2.0 * np.pi):g} Hz take more than the "
+                f"{space.room} vectors that there is time and memory for, found {inside} modes in "
+                f"{space.dimension}: lower impulse.band"
             )
-        if not inside.any():
-            order = np.argsort(squares)
-            return np.sqrt(squares[order]), shapes[:, order]
-        # What was found beyond the band tells that only modes that were missed are left in it.
-        count = MODES_OF_A_RUN if inside.all() else N_CHECKED_MODES
-
-
-def _run(
-    structure: Structure, solve: Solve, known: Array, count: int
-) -> tuple[Array, Array]:
-    """The squares (m,) [1/s^2] and shapes (n_u, m) of the lowest modes beside the known ones.
-
-        P' K^+ P'^T M phi = phi / omega^2,    P': without rigid motion and the known modes
-    """
-    U, M = np.hstack([structure.U, known]), structure.M
-
-    def response(f: Array) -> Array:
-        return project(solve(relieve(f[:, None], U, M)), U, M)[:, 0]
-
-    inverse = LinearOperator(structure.K.shape, matvec=response, dtype=np.float64)
-    start = project(np.random.default_rng(0).standard_normal((structure.n_u, 1)), U, M)[:, 0]
-    squares, shapes = eigsh(structure.K, count, M, sigma=0.0, OPinv=inverse, v0=start)
-    return squares, shapes
+    else:
+        omega, Q = space.ritz(space.blocks)
+        inside = int(np.searchsorted(omega, highest, side="right"))
+    shapes: Array = space.basis.V[:, RIGID_DOFS : RIGID_DOFS + len(Q)] @ Q[:, :inside]
+    return shapes

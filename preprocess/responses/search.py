@@ -70,7 +70,7 @@ def krylov_modes(
     found = search.run()
     if chain:
         found = search.with_rotation(found, chain)
-    modes, Q = _only(found.modes, ~found.weak), found.Q[:, ~found.weak]
+    modes, Q = only(found.modes, ~found.weak), found.Q[:, ~found.weak]
     loads = space.with_rotation(modes, Q).phi if chain else modes.phi
     share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
     few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
@@ -222,7 +222,7 @@ def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) 
     return weak
 
 
-def _only(modes: Modes, chosen: Any) -> Modes:
+def only(modes: Modes, chosen: Any) -> Modes:
     return replace(
         modes, omega=modes.omega[chosen], zeta=modes.zeta[chosen], phi=modes.phi[:, chosen]
     )
@@ -232,7 +232,7 @@ def _lost(band: Band, modes: Modes, weak: Mask, fields: bool) -> float:
     """The error that leaving out the weak modes makes."""
     if not weak.any():
         return 0.0
-    few, turn = _only(modes, ~weak), np.eye(len(modes.omega))[:, ~weak]
+    few, turn = only(modes, ~weak), np.eye(len(modes.omega))[:, ~weak]
     error = band.error(few, modes)
     return max(error, band.field_error(few, modes, turn)) if fields else error
 

@@ -13,15 +13,17 @@ from ..memory import require
 from ..solving.factor import Solve
 from .band import Band
 from .basis import Basis
+from .condensation import condensed
 from .damping import damped_modes
 from .lanczos import modes_up_to
 from .ritz import ritz_modes, space_shapes
-from .search import CHANGE_FACTOR, Watch
+from .search import CHANGE_FACTOR, CONDENSATION_ERROR_SHARE, OF_FIELDS, Watch, only
 from .shapes import Shapes
 from .static import refined, static_solver
 
 COLUMNS_AT_ONCE = 150  # of the compliance, lest solutions of all of them take memory too
 MAX_BLOCKS = 40  # of responses at interfaces beside the modes of the band
+MAX_UNREFINED = 1e-10  # change of the compliance by a step of refinement, over its largest entry
 MAX_ASYMMETRY = 1e-8  # of the compliance, relative to its diagonal: its error
 
 
@@ -55,7 +57,7 @@ def surface_responses(
     assert structure.surfaces is not None
     require_room(structure)
     solve = static_solver(structure)
-    _, normal = modes_up_to(structure, solve, 2.0 * np.pi * band.limit, watch)
+    normal = modes_up_to(structure, solve, 2.0 * np.pi * band.limit, watch)
     modes, shapes, error = _with_interfaces(
         structure, solve, damping, band, tolerance, normal, watch, fields
     )
@@ -79,12 +81,18 @@ def surface_compliance(structure: Structure, solve: Solve, watch: Watch) -> Arra
     assert structure.surfaces is not None
     rows = structure.surfaces.rows
     n = rows.shape[0]
-    H = np.empty((n, n))
+    H, changes = np.empty((n, n)), True
     for start in range(0, n, COLUMNS_AT_ONCE):
         columns = slice(start, min(start + COLUMNS_AT_ONCE, n))
         watch(f"static rest, {start} of {n} columns")
         loads = structure.relieve(rows[columns].T.toarray())
-        H[:, columns] = rows @ refined(structure, solve, loads)
+        u = solve(loads)
+        H[:, columns] = rows @ u
+        if changes:
+            correction = rows @ solve(loads - structure.K @ u)
+            H[:, columns] += correction
+            # What refinement does not change in the first columns, it need not refine in others.
+            changes = np.abs(correction).max() > MAX_UNREFINED * np.abs(H[:, columns]).max()
     scale = np.sqrt(H.diagonal())
     found = float((np.abs(H - H.T) / np.outer(scale, scale)).max())
     if not found <= MAX_ASYMMETRY:
@@ -122,10 +130,14 @@ def _with_interfaces(
         before, found = found, _Found.of(structure, damping, band, basis)
         error = CHANGE_FACTOR * found.change(before, band, fields)
         watch(f"{len(found.modes.omega)} modes, {block + 1} blocks, error {error:.1e}")
-        if error <= tolerance:
+        if error <= (1.0 - CONDENSATION_ERROR_SHARE) * tolerance:
             break
         W = solve(structure.M @ basis.V[:, basis.columns - new :])
-    return found.modes, found.shapes, error
+    share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
+    few = condensed(found.modes, damping, band, share, fields, found.with_rotation.phi)
+    order = np.argsort(few.modes.omega)
+    modes = only(few.modes, order)
+    return modes, space_shapes(basis, found.Q @ few.Y[:, order]), error + few.error
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +152,9 @@ class _Found:
     @classmethod
     def of(cls, structure: Structure, damping: Damping, band: Band, basis: Basis) -> "_Found":
         V = basis.V[:, RIGID_DOFS:]
-        omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
+        omega, Q = np.zeros(0), np.zeros((0, 0))
+        if V.shape[1]:
+            omega, Q = ritz_modes(structure, V, V.T @ (structure.K @ V))
         shapes = space_shapes(basis, Q)
         modes = damped_modes(damping, omega, shapes(structure.P_C), band.finest_step)
         turned = structure.inertia_loads.T @ V @ Q
