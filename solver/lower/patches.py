@@ -13,6 +13,8 @@ from ..arrays import Array, Index, as_index, as_rows
 from ..step.records.surfaces import Facets, Patches
 from .facets import FACET_TYPES, MOST_CORNERS, MOST_NODES, SMOOTH_TYPES, RuleOfFacets, rule_of
 
+PARALLEL = 1e-12
+"""1 - c^2 of normals between which an edge is straight"""
 FEATURE_ANGLE = math.radians(30.0)
 """angle between facets from which on the edge between them is sharp"""
 
@@ -95,37 +97,70 @@ class Patch:
         return [as_index(np.unique(facets[[f for f, _ in around]])) for around in self.around]
 
     @cached_property
-    def rim(self) -> Index:
-        """1 for the edge behind each corner that no other facet shares (n_facets, 4)."""
-        edges = self._edges
-        counts: dict[tuple[int, int], int] = {}
-        for own in edges:
-            for edge in own:
-                counts[edge] = counts.get(edge, 0) + 1
-        rim = np.zeros((len(edges), MOST_CORNERS), dtype=np.int64)
-        for f, own in enumerate(edges):
-            rim[f, : len(own)] = [counts[edge] == 1 for edge in own]
-        return rim
+    def beside(self) -> Index:
+        """The facet behind the edge after each corner, -1 where there is none (n_facets, 4)."""
+        beside = np.full((len(self.surface.facets), MOST_CORNERS), -1)
+        waiting: dict[frozenset[int], tuple[int, int]] = {}
+        for f, corners in enumerate(self.surface.corners.tolist()):
+            for i, a in enumerate(corners):
+                edge = frozenset((a, corners[(i + 1) % len(corners)]))
+                if edge in waiting:
+                    g, k = waiting.pop(edge)
+                    beside[f, i], beside[g, k] = g, f
+                else:
+                    waiting[edge] = f, i
+        return beside
 
     @cached_property
-    def turned(self) -> list[list[int]]:
-        """For each corner of each facet those around it that turn by less than a feature angle."""
+    def facet_normals(self) -> Array:
+        """Unit normals of the facets, by their corners (n_facets, 3)."""
         x = self.surface.X[self.surface.corners]
         a, b = x[:, 2] - x[:, 0], x[:, -1] - x[:, 1]
         if x.shape[1] == 3:
             a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
         normals = np.cross(a, b)
         normals /= np.linalg.norm(normals, axis=1)[:, None]
-        limit = math.cos(FEATURE_ANGLE)
+        return normals
+
+    @cached_property
+    def turned(self) -> list[list[int]]:
+        """For each corner of each facet those around it that turn by less than a feature angle."""
+        normals, limit = self.facet_normals, math.cos(FEATURE_ANGLE)
         lists: list[list[int]] = []
         for f, rows in enumerate(self.rows_of_facets.tolist()):
             for i in rows:
-                around = [g for g, _ in self.around[i]]
-                if not self.smooth:
-                    around = [f]
+                around = [g for g, _ in self.around[i]] if self.smooth else [f]
                 lists.append([g for g in around if normals[f] @ normals[g] > limit])
             lists += [[] for _ in range(MOST_CORNERS - len(rows))]
         return lists
+
+    @cached_property
+    def rises(self) -> Array:
+        """Heights of the arcs behind the corners of facets above their chords (n_facets, 4) [m].
+
+        An arc is normal to the mean normals n, m of its ends, which are d apart: with c = n . m
+
+            x(t) = x_1 + (d - k) t + k t^2,   k = (n (n.d + c m.d) - m (m.d + c n.d)) / (1 - c^2)
+
+        so that its middle is k/4 off the chord. Source: T. Nagata, Simple local interpolation of
+        surfaces using normal vectors, Computer Aided Geometric Design 22 (2005) 327-347.
+        """
+        corners, normals = self.surface.corners, self.facet_normals
+        rises = np.zeros((len(corners), MOST_CORNERS))
+        n_corners = corners.shape[1]
+        for f, own in enumerate(corners.tolist()):
+            lists = self.turned[MOST_CORNERS * f : MOST_CORNERS * f + n_corners]
+            means = [normals[around].sum(axis=0) for around in lists]
+            means = [mean / np.linalg.norm(mean) for mean in means]
+            for i in range(n_corners):
+                n, m = means[i], means[(i + 1) % n_corners]
+                d = self.surface.X[own[(i + 1) % n_corners]] - self.surface.X[own[i]]
+                c = float(n @ m)
+                if 1.0 - c * c > PARALLEL:
+                    k = n * (n @ d + c * (m @ d)) - m * (m @ d + c * (n @ d))
+                    middle = (n + m) / np.linalg.norm(n + m)
+                    rises[f, i] = -0.25 * float(k @ middle) / (1.0 - c * c)
+        return rises
 
     @cached_property
     def center(self) -> Array:
@@ -136,17 +171,6 @@ class Patch:
     @property
     def radius(self) -> float:
         return float(np.linalg.norm(self.surface.X - self.center, axis=1).max())
-
-    @property
-    def _edges(self) -> list[list[tuple[int, int]]]:
-        corners = self.surface.corners.tolist()
-        return [
-            [_ordered(a, b) for a, b in zip(own, own[1:] + own[:1], strict=True)] for own in corners
-        ]
-
-
-def _ordered(a: int, b: int) -> tuple[int, int]:
-    return (a, b) if a < b else (b, a)
 
 
 def lay_out_patches(patches: Sequence[Patch]) -> Patches:
@@ -230,7 +254,15 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
             MOST_CORNERS,
             np.int64,
         ),
-        rim=padded([patch.rim for patch in patches], MOST_CORNERS, np.int64),
+        beside=padded(
+            [
+                np.where(patch.beside < 0, -1, first + patch.beside)
+                for patch, first in zip(patches, facet.tolist(), strict=False)
+            ],
+            MOST_CORNERS,
+            np.int64,
+        ),
+        rise=padded([patch.rises for patch in patches], MOST_CORNERS),
         around_range=starts(map(len, turned)),
         around=as_index([f for own in turned for f in own]),
     )

@@ -1,12 +1,9 @@
 """Targets of facets: the point of a surface that is nearest to another point, and its normal.
 
 Corner normals are means over the facets around a corner that turn by less than the feature angle.
-On smooth targets edges between corners are arcs by these normals (T. Nagata, Simple local
-interpolation of surfaces using normal vectors, 2005): with d = x_2 - x_1 and c = n_1 . n_2,
-
-    x(t) = x_1 + (d - k) t + k t^2,   k = (n_1 (n_1.d + c n_2.d) - n_2 (n_2.d + c n_1.d)) / (1 - c^2)
-
-so that facets have middle nodes (x_1 + x_2)/2 - k/4, and are quadratic.
+On smooth targets edges between corners are arcs, so that facets are quadratic: their middle nodes
+rise above the chord as those of the undeformed surface do (solver/lower/patches.py), whatever the
+waves of the deformed one.
 """
 
 import math
@@ -18,12 +15,12 @@ from .vectors import Vector, add, cross, dot, row, scale, subtract
 
 MAX_ITERATIONS = 20
 """iterations of the projection on a facet, of which some five are needed"""
+MAX_WALK = 10
+"""facets over which the foot of a point may move from that of the center of its facet"""
 PRECISION = 1e-13
 """change of reference coordinates that counts as none"""
 ON_EDGE = 1e-9
 """distance to an edge, in reference coordinates, that counts as on it"""
-PARALLEL = 1e-12
-"""1 - c^2 of normals that leave an edge straight"""
 TRIANGLE, QUAD, TRIANGLE6, QUAD8, QUAD9 = 0, 1, 2, 3, 4
 """types of facets by number"""
 
@@ -147,8 +144,9 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
         for i in range(n_corners):
             k = (i + 1) % n_corners
             a, b = row(work.facet_place[f], i), row(work.facet_place[f], k)
-            n, m = row(work.corner_normal[f], i), row(work.corner_normal[f], k)
-            middle = subtract(scale(0.5, add(a, b)), scale(0.25, _bend(subtract(b, a), n, m)))
+            n = add(row(work.corner_normal[f], i), row(work.corner_normal[f], k))
+            n = scale(facets.rise[f, i] / math.sqrt(dot(n, n)), n)
+            middle = add(scale(0.5, add(a, b)), n)
             for c in range(3):
                 work.facet_place[f, n_corners + i, c] = middle[c]
         n_nodes = 2 * n_corners
@@ -162,37 +160,60 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
 
 
 @compiled
-def _bend(d: Vector, n: Vector, m: Vector) -> Vector:
-    """k of an edge d between corners of normals n and m."""
-    c, nd, md = dot(n, m), dot(n, d), dot(m, d)
-    rest = 1.0 - c * c
-    if rest < PARALLEL or c <= 0.0:
-        return (0.0, 0.0, 0.0)
-    along_n, along_m = (nd + c * md) / rest, -(md + c * nd) / rest
-    return add(scale(along_n, n), scale(along_m, m))
+def seek_facet(
+    facets: Facets, p: int, x: Vector, normal: Vector, n_near: int, work: SurfaceWork
+) -> int:
+    """The facet nearest to x of those that face a normal, among `n_near` of `near_facet`; -1: none.
+
+    normal: that of the facet around x, of any length.
+    """
+    best, nearest = math.inf, -1
+    for t in range(n_near):
+        f = work.near_facet[t]
+        if dot(row(work.facet_normal, f), normal) < 0.0:
+            a, b, _ = _project(facets, p, f, x, work)
+            there, _, _ = point_of_facet(facets, p, f, a, b, work)
+            apart = subtract(x, there)
+            distance = dot(apart, apart)
+            if distance < best:
+                best, nearest = distance, f
+    return nearest
 
 
 @compiled
-def nearest_facet(
-    facets: Facets, p: int, x: Vector, n_near: int, work: SurfaceWork
+def walk_to_foot(
+    facets: Facets, p: int, x: Vector, f: int, work: SurfaceWork
 ) -> tuple[int, float, float, bool]:
-    """The facet of patch p nearest to x, the reference coordinates there, and whether it covers x.
+    """The facet below x, the reference coordinates there, and whether it covers x.
 
-    `work.near_facet` lists the `n_near` facets in question. A point that is nearest to the rim of a
-    surface, and not above it, is not covered.
+    From facet f on, over edges behind which x lies; on an edge that is seen from both sides it
+    ends. A point that is nearest to the rim of a surface, and not above it, is not covered.
     """
-    best, nearest = math.inf, -1
-    at_x, at_y, covered = 0.0, 0.0, False
-    for t in range(n_near):
-        f = work.near_facet[t]
+    before = -1
+    a = b = 0.0
+    for _ in range(MAX_WALK):
         a, b, inside = _project(facets, p, f, x, work)
-        there, _, _ = point_of_facet(facets, p, f, a, b, work)
-        apart = subtract(x, there)
-        distance = dot(apart, apart)
-        if distance < best:
-            best, nearest, at_x, at_y = distance, f, a, b
-            covered = inside or not _is_on_rim(facets, p, f, a, b)
-    return nearest, at_x, at_y, covered
+        if inside:
+            return f, a, b, True
+        beyond = _facet_beyond(facets, p, f, a, b)
+        if beyond < 0 or beyond == before:
+            return f, a, b, beyond >= 0
+        before, f = f, beyond
+    return f, a, b, True
+
+
+@compiled
+def _facet_beyond(facets: Facets, p: int, f: int, a: float, b: float) -> int:
+    """The facet behind the edge of facet f on which a point is, -1: the edge is on the rim."""
+    if is_triangle(facets.kind[p]):
+        on = b <= ON_EDGE, a + b >= 1.0 - ON_EDGE, a <= ON_EDGE, False
+    else:
+        on = b <= ON_EDGE - 1.0, a >= 1.0 - ON_EDGE, b >= 1.0 - ON_EDGE, a <= ON_EDGE - 1.0
+    beyond = -1
+    for i in range(4):
+        if on[i]:
+            beyond = max(beyond, facets.beside[f, i])
+    return beyond
 
 
 @compiled
@@ -250,19 +271,6 @@ def _clip(
         if distance < best:
             best, best_a, best_b = distance, e_a, e_b
     return best_a, best_b, False
-
-
-@compiled
-def _is_on_rim(facets: Facets, p: int, f: int, a: float, b: float) -> bool:
-    """Whether a point on an edge of facet f is on one that no other facet shares."""
-    if is_triangle(facets.kind[p]):
-        on = b <= ON_EDGE, a + b >= 1.0 - ON_EDGE, a <= ON_EDGE, False
-    else:
-        on = b <= ON_EDGE - 1.0, a >= 1.0 - ON_EDGE, b >= 1.0 - ON_EDGE, a <= ON_EDGE - 1.0
-    for i in range(4):
-        if on[i] and facets.rim[f, i]:
-            return True
-    return False
 
 
 @compiled

@@ -12,11 +12,11 @@ Consistent treatment of boundaries with mortar contact formulations using dual L
 import math
 
 from ..compiler.marks import compiled
-from .facets import nearest_facet, normal_of_facet, point_of_facet, shape_target
+from .facets import normal_of_facet, point_of_facet, seek_facet, shape_target, walk_to_foot
 from .records.surfaces import Surfaces
 from .shapes import surface_at
 from .system import State, System, Workspace
-from .vectors import Vector, add, dot, rotate, rotate_back, row, scale, subtract
+from .vectors import Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract
 
 COVERED_PART = 1e-2
 """part of the area of a row below which it does not act"""
@@ -102,9 +102,9 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
     per, n_nodes = facets.points[p], facets.n_nodes[p]
     for f in range(facets.range[p], facets.range[p + 1]):
         center, radius = _sphere(surfaces, p, f, work)
-        n_near, distance = _facets_near(surfaces, c, center, radius, work)
+        below, distance = _seek(surfaces, c, f, center, radius, work)
         first = (f - facets.range[p]) * per
-        out.is_far[f] = int(distance - radius > margin + FACETS_AROUND * radius)
+        out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
         for q in range(first, first + per):
             for z in range(4):
                 out.weight[q, z] = 0.0
@@ -116,7 +116,7 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
             for z in range(n_nodes):
                 N = patches.N[patches.point[p] + q, z]
                 y = add(y, scale(N, row(out.place, facets.nodes[f, z])))
-            covered += int(_look(surfaces, c, q, y, n_near, work))
+            covered += int(_look(surfaces, c, q, y, below, work))
         _weigh(surfaces, p, f, first, covered, work)
 
 
@@ -134,12 +134,12 @@ def _sphere(surfaces: Surfaces, p: int, f: int, work: Workspace) -> tuple[Vector
 
 
 @compiled
-def _facets_near(
-    surfaces: Surfaces, c: int, center: Vector, radius: float, work: Workspace
+def _seek(
+    surfaces: Surfaces, c: int, f: int, center: Vector, radius: float, work: Workspace
 ) -> tuple[int, float]:
-    """The number of facets that may be the nearest within a sphere, and a bound of the distance.
+    """The facet of the target below the center of facet f, -1: none; and a bound of its distance.
 
-    The distance is that of the center from the target; facets are listed in `near_facet`.
+    radius: of a sphere around facet f.
     """
     facets, out, t = surfaces.facets, work.surfaces, surfaces.contacts.target[c]
     if t < 0:
@@ -149,21 +149,28 @@ def _facets_near(
     for m in range(facets.range[t], facets.range[t + 1]):
         apart = subtract(center, row(out.facet_center, m))
         length = math.sqrt(dot(apart, apart))
-        farthest = min(farthest, length + out.facet_radius[m] + radius)
+        farthest = min(farthest, length + out.facet_radius[m])
         least = min(least, length - out.facet_radius[m])
     n_near = 0
     for m in range(facets.range[t], facets.range[t + 1]):
         apart = subtract(center, row(out.facet_center, m))
-        length = math.sqrt(dot(apart, apart))
-        if length - out.facet_radius[m] - radius <= farthest:
+        if math.sqrt(dot(apart, apart)) - out.facet_radius[m] <= farthest + radius:
             out.near_facet[n_near] = m
             n_near += 1
-    return n_near, least
+    p = surfaces.contacts.patch[c]
+    corners = facets.nodes[f]
+    last = facets.corners[p] - 1
+    a = subtract(row(out.place, corners[1]), row(out.place, corners[0]))
+    b = subtract(row(out.place, corners[last]), row(out.place, corners[0]))
+    return seek_facet(facets, t, center, cross(a, b), n_near, out), least
 
 
 @compiled
-def _look(surfaces: Surfaces, c: int, q: int, y: Vector, n_near: int, work: Workspace) -> bool:
-    """The plane below point q of contact c, which is at y; False where nothing is below it."""
+def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Workspace) -> bool:
+    """The plane below point q of contact c, which is at y; False where nothing is below it.
+
+    below: the facet of the target below the center of its facet.
+    """
     out, t = work.surfaces, surfaces.contacts.target[c]
     if t < 0:
         gap, n, beyond = distance_from_shape(surfaces, c, y)
@@ -171,7 +178,10 @@ def _look(surfaces: Surfaces, c: int, q: int, y: Vector, n_near: int, work: Work
         out.foot[q] = -1 if beyond > 0.0 else 0
         return beyond <= 0.0
     facets = surfaces.facets
-    f, a, b, covered = nearest_facet(facets, t, y, n_near, out)
+    if below < 0:
+        out.foot[q] = -1
+        return False
+    f, a, b, covered = walk_to_foot(facets, t, y, below, out)
     n = normal_of_facet(facets, t, f, a, b, out)
     foot, _, _ = point_of_facet(facets, t, f, a, b, out)
     gap = dot(n, subtract(y, foot))

@@ -72,8 +72,10 @@ class Facets(Struct):
     """nodes of each facet, corners first"""
     rows: Index = array("n_facets", 4)
     """rows of its corners"""
-    rim: Index = array("n_facets", 4)
-    """1: no other facet shares the edge from this corner to the next"""
+    beside: Index = array("n_facets", 4)
+    """facet that shares the edge from this corner to the next, -1: none does"""
+    rise: Array = array("n_facets", 4)
+    """height of the arc from this corner to the next above its chord [m]"""
     around_range: Index = array("n_facet_corners_1")
     """first entry of each corner of each facet, four of each, in `around`"""
     around: Index = array("n_turned")
