@@ -17,8 +17,7 @@ from .checkpoint.carried import Snapshot, carried
 from .lower.lower import LoweredModel
 from .signals.signal import Signal, corners_of, jumps_of
 from .start.initial import modes_of
-from .step.contacts import approaches
-from .step.loop import OTHER_SIZE, advance
+from .step.loop import OTHER_SIZE, advance, is_contact_near
 from .step.system import Inputs, Output, Run, State, System, Workspace
 
 # Calls of Python for fewer steps would cost more than the steps.
@@ -108,8 +107,7 @@ class Phases:
         starts, ends = self._pulses
         if ((starts - 1.0 < step) & (step < ends + 1.0)).any():
             return 0
-        h, couplings = lowered.longest_step, lowered.system.couplings
-        if approaches(couplings, h, self._state, self._work):
+        if is_contact_near(lowered.system, lowered.longest_step, self._state, self._work):
             return 0
         # the samples about a jump, means over short steps, are those of short steps alone
         ahead = self._jumps[self._jumps > step - 1.0]

@@ -7,12 +7,11 @@ inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py).
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ...results.space import ContactShape
 from ..arrays import Array
 from ..laws.contact import ContactLaw
 from ..laws.hertz import Patch, patch_of
@@ -29,11 +28,10 @@ from ..schema.values import (
     ZeroOrPositive,
 )
 from ..step.gaps import FirstSlip, Gap, SecondSlip, gap_parameters
-from ..step.shapes import Cylinder, Plane, Profile, Sphere
-from .coupling import GROUND, Coupling, Inertia, side_names
+from .carried_shape import SHAPE_TYPES, CarriedShape
+from .coupling import Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
 from .impact import Impact
-from .joint import basis_about
 from .rows import Row, Sides
 
 NO_PATCH: Any = (0.0, 0.0)
@@ -41,33 +39,6 @@ NO_PATCH: Any = (0.0, 0.0)
 
 DEEPEST_START = 0.1
 """penetration over the size of the model at which a run does not start"""
-PROFILE_POINTS = 8
-"""points of a profile that are drawn, for each of its pieces"""
-
-
-@dataclass(frozen=True)
-class ShapeType:
-    """The keys of a shape of contacts, and its number in compiled code."""
-
-    number: int
-    round: bool = False
-    """whether it has a radius"""
-    hollow: bool = False
-    """whether it may be hollow"""
-    points: bool = False
-    """whether it goes through points"""
-    axis: bool = False
-    """whether it needs an axis"""
-    length: bool = False
-    """whether it may have a length"""
-
-
-SHAPE_TYPES = {
-    "plane": ShapeType(Plane.number, axis=True),
-    "sphere": ShapeType(Sphere.number, round=True, hollow=True),
-    "cylinder": ShapeType(Cylinder.number, round=True, hollow=True, axis=True, length=True),
-    "profile": ShapeType(Profile.number, axis=True, points=True, hollow=True),
-}
 
 
 @entry(eq=True)
@@ -102,7 +73,7 @@ def _flexibility(E: float, nu: float) -> float:
 
 
 @entry()
-class Contact(Entry, Coupling):
+class Contact(CarriedShape, Entry, Coupling):
     """A ball about the second frame against a shape that the first carries.
 
     axis (3,), in space at the start: the normal of a plane, towards the ball, or the axis of a
@@ -138,12 +109,12 @@ class Contact(Entry, Coupling):
     tangential_stiffness: Positive | None = None
     tangential_damping: NotNegative | None = None
 
-    @property
-    def kind(self) -> ShapeType:
-        return SHAPE_TYPES[self.shape]
-
     def validate(self) -> None:
-        self._check_shape()
+        self.check_shape()
+        if self.hollow and self.radius is not None and self.ball >= self.radius:
+            raise self.error(
+                f"ball: expected less than the hollow radius, {self.radius:g}, got {self.ball:g}"
+            )
         self._check_force()
         if (self.friction is None) != (self.tangential_stiffness is None):
             given, missing = "friction", "tangential_stiffness"
@@ -183,7 +154,7 @@ class Contact(Entry, Coupling):
         """The gap, and slip along two tangents where there is friction."""
         # A contact stands between one pair of frames; couplers between several.
         (own,) = sides
-        A, B, (axis, across) = own.frame_a, own.frame_b, self._axes(own.pose_a.R)
+        A, B, (axis, across) = own.frame_a, own.frame_b, self.axes_of_shape(own.pose_a.R)
         gap = Row(Gap.number, A, B, axis, across, laws=(self.law(),), normal=(1.0, 0))
         slips = [
             Row(kind.number, A, B, axis, across, has_friction=True)
@@ -219,41 +190,9 @@ class Contact(Entry, Coupling):
             if depth > limit:
                 raise self.error(f"starts {depth:.6g} m deep: expected at most {name}, {limit:.6g}")
 
-    def drawn_shape(self, D: Array) -> ContactShape:
-        """In the axes that its axis has: those of the first frame, or of space for the ground."""
-        _, across = self._axes(D)
-        curve = np.zeros((0, 2))
-        if self.points is not None:
-            # Spline pieces have unequal lengths: each gets as many points, so that short ones look
-            # round.
-            spline = curve_through(self.points)
-            n = len(spline.x) - 1
-            pieces = np.linspace(0, n, PROFILE_POINTS * n + 1)
-            curve = spline(np.interp(pieces, np.arange(n + 1), spline.x))
-        length = np.inf if self.length is None else self.length
-        # Frames of the ground may be turned (D), but pictures place their shapes in the axes of
-        # space.
-        across = D @ across if self.between[0] == GROUND else across
-        return ContactShape(self.radius or 0.0, length, across, curve)
-
-    def _axes(self, D: Array) -> tuple[Array, Array]:
-        """The axis of the shape and one across it, in the axes D (3, 3) of the first frame."""
-        # A sphere is the same from all sides; any axes do for its tangents.
-        if self.axis is None:
-            return np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-        # The axis is given in space at the start; the shape turns with its frame from there on.
-        basis = D.T @ basis_about(self.axis, D)
-        return basis[:, 2], basis[:, 0]
-
     def _parameters(self) -> list[float]:
         """The parameters of compiled code: ball, side, then those of the shape."""
-        length = math.inf if self.length is None else self.length
-        shape: list[float] = []
-        if self.points is not None:
-            shape = _pieces(self.points)
-        elif self.radius is not None:
-            shape = [self.radius, 0.5 * length] if self.kind.length else [self.radius]
-        return gap_parameters(self.ball, self.hollow, shape)
+        return gap_parameters(self.ball, self.hollow, self.shape_parameters())
 
     @property
     def _size(self) -> float:
@@ -299,36 +238,9 @@ class Contact(Entry, Coupling):
         around = own if self.radius is None else own + (-1.0 if self.hollow else 1.0) / self.radius
         return (around if self.shape == "sphere" else own), around
 
-    def _check_shape(self) -> None:
-        kind = self.kind
-        if kind.axis != (self.axis is not None):
-            raise self.error(f"axis: a {self.shape} {'needs one' if kind.axis else 'takes none'}")
-        if kind.round != (self.radius is not None):
-            takes = "needs one" if kind.round else "takes none"
-            raise self.error(f"radius: a {self.shape} {takes}")
-        if kind.points != (self.points is not None):
-            takes = "needs some" if kind.points else "takes none"
-            raise self.error(f"points: a {self.shape} {takes}")
-        if self.points is not None:
-            self._check_points(self.points)
-        if self.length is not None and not kind.length:
-            raise self.error(f"length: a {self.shape} takes none")
-        if self.hollow and not kind.hollow:
-            raise self.error(f"hollow: a {self.shape} cannot be")
-        if self.hollow and self.radius is not None and self.ball >= self.radius:
-            raise self.error(
-                f"ball: expected less than the hollow radius, {self.radius:g}, got {self.ball:g}"
-            )
-
-    def _check_points(self, points: Array) -> None:
-        if len(points) < 4:
-            raise self.error(f"points: expected four or more, got {len(points)}")
-        if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
-            raise self.error("points: expected each apart from the next")
-        if self.hertz is not None:
-            raise self.error("hertz: a profile has no radius: expected stiffness or law")
-
     def _check_force(self) -> None:
+        if self.hertz is not None and self.points is not None:
+            raise self.error("hertz: a profile has no radius: expected stiffness or law")
         given = {
             "hertz": self.hertz,
             "stiffness": self.impact.stiffness,
@@ -344,22 +256,3 @@ class Contact(Entry, Coupling):
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
             raise self.error("patch: belongs to hertz, got none")
-
-
-def _pieces(points: Array) -> list[float]:
-    """The pieces of the curve through points, as `Profile` reads them."""
-    spline = curve_through(points)
-    # Compiled code finds a piece by its length, then the coefficients of both coordinates.
-    lengths, closed = np.diff(spline.x), bool((points[0] == points[-1]).all())
-    pieces = [[length, *spline.c[:, i, 0], *spline.c[:, i, 1]] for i, length in enumerate(lengths)]
-    return [len(lengths), *np.ravel(pieces).tolist(), float(closed)]
-
-
-def curve_through(points: Array) -> Any:
-    """The `scipy.interpolate.CubicSpline` through points (n, 2) over the lengths of its chords."""
-    from scipy.interpolate import CubicSpline  # slow to load, and few models have a profile
-
-    # Chord lengths as parameter: equal parameters for unequal chords would make loops.
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    ends = "periodic" if (points[0] == points[-1]).all() else "natural"
-    return CubicSpline(np.cumsum([0.0, *lengths]), points, bc_type=ends)

@@ -20,6 +20,7 @@ from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
 from .second_order import lay_out_second_order, lengths_of
+from .shares import Shares, shares_of
 from .truncation import truncate, truncation_error
 
 # beyond, integers of 8 bytes might overflow before memory is compared with what is there
@@ -58,6 +59,14 @@ class Stepping(NamedTuple):
         """The longest steps."""
         return self._replace(h=self.h * self.ratio, stride=self.ratio)
 
+    @property
+    def shortest(self) -> float:
+        """The shortest step [s]."""
+        return self.h / self.stride
+
+
+NO_MODES: Index = np.empty(0, dtype=np.int64)
+
 
 class _History(NamedTuple):
     """The history of one body: by modes (then g is empty) or by its kernel (then phi is)."""
@@ -73,6 +82,7 @@ class _History(NamedTuple):
     compliance: Array  # (n_c, n_c) static: the sum of the kernel, or of the modes
     accelerance: Array  # (n_c, n_c) accelerations under unit loads at rest
     chain: Chain | None = None  # of the modes
+    quasi_static: Index = NO_MODES  # those without inertia
 
 
 class Responses(NamedTuple):
@@ -104,9 +114,13 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
     loaded_patterns = [patterns[load.owner_of_pattern] for load in model.pattern_loads]
     loaded = distinct(np.concatenate([active, as_index(loaded_patterns)])).astype(np.int64)
     loaded_range = np.searchsorted(loaded, dofs)
-    # Ids are even addresses: bodies that use terms of second order and bodies that do not differ by
-    # one.
-    owners = [id(body.superelement) + (body.rotation is None) for body in bodies.values()]
+    # Ids are even addresses: bodies that use terms of second order, bodies that do not, and bodies
+    # with surfaces in contact differ by less.
+    pressed = model.bodies_with_pressed_surfaces
+    owners = [
+        8 * id(body.superelement) + 2 * (body.rotation is None) + (name in pressed)
+        for name, body in bodies.items()
+    ]
     histories = _histories(model, owners, np.diff(loaded_range).tolist(), stepping)
     G_0, G_0_start = packed([history.G_0 for history in histories], owners)
     G_active, G_active_start = active_flexibility(
@@ -161,6 +175,9 @@ def _histories(
     histories: dict[int, _History] = {}
     for owner, (name, body) in zip(owners, model.flexible_bodies.items(), strict=True):
         if owner not in histories:
+            if name in model.bodies_with_pressed_surfaces:
+                histories[owner] = _with_surfaces(name, body, model.settings, stepping)
+                continue
             histories[owner] = _choose_history(
                 name, body, most_active[owner], model.settings, stepping
             )
@@ -171,13 +188,19 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int], h: floa
     recursions = [history.recursion for history in histories]
     stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
     phi, phi_start = packed([history.phi for history in histories], owners)
+    ranges = np.cumsum([0, *(recursion.shape[1] for recursion in recursions)])
+    quasi_static = [
+        first + history.quasi_static
+        for first, history in zip(ranges.tolist(), histories, strict=False)
+    ]
     return Modes(
-        range=as_index(np.cumsum([0, *(recursion.shape[1] for recursion in recursions)])),
+        range=as_index(ranges),
         stiffness=stiffness.copy(),
         damping=damping.copy(),
         step_stiffness=step_stiffness.copy(),
         phi=phi,
         phi_start=phi_start,
+        quasi_static=as_index(np.concatenate([NO_MODES, *quasi_static])),
         damped=int(damping.any()),
         chains=lay_out_chains(
             [history.chain for history in histories],
@@ -300,16 +323,42 @@ def _check_second_order(name: str, settings: Settings, stepping: Stepping) -> No
         )
 
 
-def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _History:
+def _with_surfaces(
+    name: str, body: FlexibleBody, settings: Settings, stepping: Stepping
+) -> _History:
+    """The history of a body with surfaces in contact, whose modes move up to a band."""
+    element, problem = body.superelement, ""
+    if body.rotation is not None:
+        problem = "terms of second order (give it second_order = 'off')"
+    elif stepping.weight != 1.0:
+        problem = "rule 'paper'"
+    elif settings.history not in ("auto", "recursive"):
+        problem = f"history {str(settings.history)!r}"
+    elif settings.kernel_length is not None:
+        problem = "memory"
+    elif element.modes is not None and element.modes.chain is not None:
+        problem = "a loss factor or moduli that depend on frequency"
+    if problem:
+        raise ModelError(f"body {name!r}: its surfaces are in contact, which excludes {problem}")
+    return _by_modes(body, stepping.h, stepping.scheme, shares_of(element, stepping.shortest))
+
+
+def _by_modes(
+    body: FlexibleBody, h: float, scheme: GeneralizedAlpha, shares: Shares | None = None
+) -> _History:
     element, second = body.superelement, body.rotation
     modes = element.complete_modes(element.modes_for(h))
     if second is not None:
         modes = second.complete(modes)
+    quasi_static = np.zeros(len(modes.omega), dtype=bool)
+    if shares is not None:
+        modes, quasi_static = shares.of(modes), shares.quasi_static
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     # By what generalized-alpha divides: inertia, damping and stiffness of a mode in one step.
     step_stiffness = scheme.inertia_ratio + scheme.gamma * h * damping
     hardened = stiffness * (1.0 + hardening_of(modes.chain, h, len(stiffness)))
+    step_stiffness[quasi_static] = 0.0
     step_stiffness += scheme.beta * h * h * hardened
     G_0 = (modes.phi * (scheme.beta * h * h / step_stiffness)) @ modes.phi.T
     recursion, empty = np.array([stiffness, damping, step_stiffness]), np.empty(0)
@@ -325,6 +374,7 @@ def _by_modes(body: FlexibleBody, h: float, scheme: GeneralizedAlpha) -> _Histor
         compliance=modes.compliance,
         accelerance=element.complete_accelerance if second is None else modes.accelerance,
         chain=modes.chain,
+        quasi_static=np.flatnonzero(quasi_static),
     )
 
 

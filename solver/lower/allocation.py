@@ -6,6 +6,7 @@ from ..history.dyadic import Window
 from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
+from .surfaces import sizes_of_surfaces
 
 # contacts that can end before the time loop hands them over, and one more of each
 EVENT_CAPACITY = 256
@@ -52,6 +53,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_numbers": pattern.n_numbers,
         "n_unknowns": int(pattern.first[-1]),
         "n_force_rows": int(force_rows.max()),
+        **sizes_of_surfaces(system.surfaces),
     }
 
 
@@ -79,6 +81,8 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     # Laws that relax have had for ever to do so before the start.
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts
+    work.surfaces.looks[:] = -1
+    work.surfaces.listed[:] = -1
     return state, work
 
 

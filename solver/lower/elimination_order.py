@@ -59,9 +59,16 @@ class Node(NamedTuple):
 
 
 def lay_out_pattern(
-    n_bodies: int, frames: Frames, couplings: Couplings, elastic: Elastic
+    n_bodies: int,
+    frames: Frames,
+    couplings: Couplings,
+    elastic: Elastic,
+    islands: Sequence[Sequence[int]] = (),
 ) -> Pattern:
-    """Order the nodes, find the blocks that fill, and lay all of them out in one array."""
+    """Order the nodes, find the blocks that fill, and lay all of them out in one array.
+
+    islands: groups of bodies whose forces depend on the motion of all in the group.
+    """
     edges = _edges(frames, couplings)
     couplers = _couplers(frames, couplings)
     body_size = np.full(n_bodies, 6)
@@ -70,11 +77,14 @@ def lay_out_pattern(
     size_of = {Node(True, b): n for b, n in enumerate(body_size.tolist())}
     # Couplings whose rows are all redundant have no node.
     size_of |= {Node(False, j): n for j, n in enumerate(row_count.tolist()) if n}
-    order = elimination_order(size_of, edges, couplers)
+    groups = [[Node(True, b) for b in island] for island in islands]
+    order = elimination_order(size_of, edges, couplers, groups)
     position = {node: k for k, node in enumerate(order)}
     size = [size_of[node] for node in order]
     body = [position[Node(True, b)] for b in range(n_bodies)]
-    cliques = [[position[node] for node in clique] for clique in _cliques(edges, couplers)]
+    cliques = [
+        [position[node] for node in clique] for clique in (*_cliques(edges, couplers), *groups)
+    ]
     layout = _Layout(size, _fill(len(order), cliques))
 
     coupling = np.full(len(row_count), -1)
@@ -102,6 +112,13 @@ def lay_out_pattern(
         for n, block in blocks_of(j, (int(pair[0]), int(pair[1]))):
             if n < 6:
                 term_block[t, n] = block
+    island_block = []
+    for island in islands:
+        for i, first in enumerate(island):
+            for k, second in enumerate(island):
+                pair = body[first], body[second]
+                island_block.append((i, k, *layout.block(*pair)))
+                force_blocks.add(pair)
     owner = {k: b for b, k in enumerate(body)}
     updates = [layout.update(k, i) for k in range(len(order)) for i in layout.later[k]]
     return Pattern(
@@ -120,6 +137,7 @@ def lay_out_pattern(
         body_block=_table([layout.block(k, k) for k in body], 2),
         coupling_block=coupling_block,
         term_block=term_block,
+        island_block=_table(island_block, 4),
         force_block=_table(
             [(owner[i], *layout.block(i, k), size[k]) for i, k in sorted(force_blocks)], 4
         ),
@@ -127,19 +145,22 @@ def lay_out_pattern(
 
 
 def elimination_order(
-    size: Mapping[Node, int], edges: Sequence[Edge], couplers: Mapping[int, Pairs] = NO_COUPLERS
+    size: Mapping[Node, int],
+    edges: Sequence[Edge],
+    couplers: Mapping[int, Pairs] = NO_COUPLERS,
+    groups: Sequence[Sequence[Node]] = (),
 ) -> list[Node]:
     """All nodes, each when its pivot is regular, in an order that costs little.
 
     size: unknowns of each node. couplers: pairs of bodies of the couplings that are between several
-    pairs.
+    pairs. groups: of bodies that have blocks with each other in any case.
     """
     n_bodies = sum(node.is_body for node in size)
     forest = _grow(n_bodies, [edge for edge in edges if edge.coupling not in couplers])
     # A body with active dofs can take forces of several rows at once without being held.
     flexible = {node.number for node, n in size.items() if node.is_body and n > 6}
     awaited = _awaited_bodies(edges, couplers, forest, flexible)
-    graph = _Graph(size, _cliques(edges, couplers))
+    graph = _Graph(size, (*_cliques(edges, couplers), *groups))
     return _cheapest_first(graph, awaited, _from_the_leaves(awaited, forest))
 
 

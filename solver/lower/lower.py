@@ -29,6 +29,7 @@ from .placement import place_bodies
 from .rows import lay_out_couplings, lay_out_rows
 from .scheme import lay_out_newton, lay_out_scheme, round_up, stepping_of
 from .size import model_size
+from .surfaces import SurfaceLayout, lay_out_surfaces, plan_surfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +131,7 @@ def lower(
     check_moments(model, frames, rows)
     check_masses(model)
     elastic, responses = lay_out_elastic(model, frames.arrays, stepping)
+    surfaces = plan_surfaces(model, frames)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -141,7 +143,10 @@ def lower(
         patterns=_lay_out_patterns(model, elastic),
         sensors=_lay_out_sensors(model, elastic),
         elastic=elastic,
-        pattern=lay_out_pattern(len(model.bodies), frames.arrays, couplings, elastic),
+        surfaces=lay_out_surfaces(model, surfaces, frames, elastic, stepping),
+        pattern=lay_out_pattern(
+            len(model.bodies), frames.arrays, couplings, elastic, surfaces.island_bodies
+        ),
     )
     return LoweredModel(
         model=model,
@@ -167,19 +172,27 @@ def lower(
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
-        flight=_in_flight(model, frames, stepping, system),
+        flight=_in_flight(model, frames, surfaces, stepping, system),
     )
 
 
 def _in_flight(
-    model: Model, frames: NumberedFrames, stepping: Stepping, system: System
+    model: Model,
+    frames: NumberedFrames,
+    surfaces: SurfaceLayout,
+    stepping: Stepping,
+    system: System,
 ) -> System | None:
     """The system in the longest steps, which shares all that does not depend on the step."""
     if stepping.ratio == 1:
         return None
     elastic, _ = lay_out_elastic(model, frames.arrays, stepping.in_flight)
     # All other arrays are shared: both sizes of steps change one state.
-    return system.replace(scheme=lay_out_scheme(stepping.in_flight), elastic=elastic)
+    return system.replace(
+        scheme=lay_out_scheme(stepping.in_flight),
+        elastic=elastic,
+        surfaces=lay_out_surfaces(model, surfaces, frames, elastic, stepping.in_flight),
+    )
 
 
 def _rows(model: Model, frames: NumberedFrames, without: frozenset[int]) -> dict[str, list[Row]]:

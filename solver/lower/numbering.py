@@ -6,6 +6,7 @@ import numpy as np
 
 from ..couplings.coupling import GROUND, Coupling, side_names
 from ..couplings.rows import Pose, Sides
+from ..couplings.surface_contacts import SurfaceContact
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..step.records.frames import Frames
@@ -46,6 +47,10 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
         ):
             # The bare ground has a frame of its own for each coupling, where the other side starts.
             named[name] = frame_pose(model, poses, other if side == GROUND else side)
+    for contact in model.surface_contacts:
+        if contact.meets_surface:
+            continue
+        named[carrier_name(contact)] = _carrier_pose(model, poses, contact)
     for load in model.frame_loads:
         named[load.on] = frame_pose(model, poses, load.on)
     # Frames with couplings and loads come first: the loop over forces ends there.
@@ -55,6 +60,18 @@ def number_frames(model: Model, poses: dict[str, Pose]) -> NumberedFrames:
             named.setdefault(f"{body}.{frame}", frame_pose(model, poses, f"{body}.{frame}"))
     numbers = {name: f for f, name in enumerate(named)}
     return NumberedFrames(named, numbers, _arrays(model, list(named), n_acting))
+
+
+def carrier_name(contact: SurfaceContact) -> str:
+    """The frame of the shape; the bare ground has one at the origin of space for each contact."""
+    carrier = contact.carrier
+    return f"{GROUND}.({contact.name})" if carrier == GROUND else carrier
+
+
+def _carrier_pose(model: Model, poses: dict[str, Pose], contact: SurfaceContact) -> Pose:
+    if contact.carrier == GROUND:
+        return Pose(np.zeros(3), np.eye(3))
+    return frame_pose(model, poses, contact.carrier)
 
 
 def _arrays(model: Model, frame_names: list[str], n_acting: int) -> Frames:

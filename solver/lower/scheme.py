@@ -70,7 +70,7 @@ def _ratio(model: Model, h: float) -> int:
     short = model.settings.contact_step
     if short is None:
         return 1
-    if not model.contacts and not model.stops:
+    if not (model.contacts or model.stops or model.surface_contacts):
         raise ModelError("simulation: contact_step: the model has no contacts or stops")
     ratio = round(h / short)
     if ratio < 2 or abs(ratio * short - h) > WHOLE_FRACTION_TOLERANCE * h:

@@ -17,6 +17,7 @@ from ..couplings.motions import PrescribedMotion
 from ..couplings.motors import Motor
 from ..couplings.springs import Spring
 from ..couplings.stops import Stop
+from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NO_ITEMS, ZERO_VECTOR, Several, Vector
@@ -50,6 +51,7 @@ class Model(Entry):
     stops: Several[Stop] = NO_ITEMS
     motors: Several[Motor] = NO_ITEMS
     couplers: Several[Coupler] = NO_ITEMS
+    surface_contacts: Several[SurfaceContact] = NO_ITEMS
     gravity: Vector = ZERO_VECTOR
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -86,6 +88,11 @@ class Model(Entry):
     @property
     def flexible_bodies(self) -> dict[str, FlexibleBody]:
         return {name: body for name, body in self.bodies.items() if isinstance(body, FlexibleBody)}
+
+    @property
+    def bodies_with_pressed_surfaces(self) -> frozenset[str]:
+        """The bodies of which a surface is in contact."""
+        return frozenset(b for contact in self.surface_contacts for b in contact.flexible_bodies)
 
     @property
     def frame_loads(self) -> tuple[Load, ...]:

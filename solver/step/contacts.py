@@ -5,7 +5,7 @@ energy where it is engaged (laws/contact.py); the other rows are its friction. A
 exerts nothing, and the derivatives of its rows are not computed.
 """
 
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled
 from ..laws.contact import penetration
 from .force_laws import law_of_row
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
@@ -38,7 +38,7 @@ def is_closed(couplings: Couplings, work: Workspace) -> bool:
     return False
 
 
-@entry
+@compiled
 def approaches(couplings: Couplings, h: float, state: State, work: Workspace) -> bool:
     """Whether any contact is closed, or will be after a time h at its present rate."""
     if is_closed(couplings, work):

@@ -46,6 +46,12 @@ from .second_order import (
     add_second_order_tangent,
     load_second_order,
 )
+from .surfaces import (
+    add_surface_scales,
+    add_surface_tangents,
+    load_surface_bodies,
+    press_surfaces,
+)
 from .system import State, System, Workspace
 
 
@@ -59,7 +65,9 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     work.frames.wrench[:] = 0.0
     add_load_wrenches(system.loads, work)
     add_coupling_wrenches(system.couplings, state, work)
+    press_surfaces(system, state, work)
     load_bodies(frames, state, work)
+    load_surface_bodies(system, state, work)
     load_patterns(system.patterns, state, work)
     load_second_order(system.elastic, state, work)
     add_inertia_forces(system.bodies, state, work)
@@ -79,6 +87,7 @@ def linearize(system: System, state: State, work: Workspace) -> None:
     linearize_couplings(system, state, work)
     linearize_loads(system, state, work)
     add_pattern_tangents(system, work)
+    add_surface_tangents(system, work)
 
 
 @entry
@@ -112,6 +121,7 @@ def set_force_scales(system: System, state: State, work: Workspace) -> None:
     add_load_scales(system, state, work)
     add_pattern_scales(system.patterns, work)
     add_coupling_scales(system, state, work)
+    add_surface_scales(system, state, work)
 
 
 @compiled

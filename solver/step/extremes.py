@@ -162,7 +162,7 @@ def _set_energies(system: System, state: State, work: Workspace) -> None:
 def _total(state: State) -> float:
     """What should stay constant: energies less the work that was done, springs apart."""
     energies = state.energies
-    elastic = energies.modal[0] + energies.convolved[0]
+    elastic = energies.modal[0] + energies.convolved[0] + energies.residual[0]
     return float(energies.kinetic[0] + energies.potential[0] + elastic - energies.work[0])
 
 

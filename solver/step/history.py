@@ -17,7 +17,8 @@ from .chains import chain_energy, hold_chains, stretch_chains
 from .records.elastic import Elastic
 from .records.scheme import Scheme
 from .second_order import add_curvatures, hardening_energy
-from .system import State, Workspace
+from .surfaces import load_modes
+from .system import State, System, Workspace
 from .vectors import inner
 
 
@@ -37,8 +38,9 @@ def start_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspac
 
 
 @entry
-def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspace) -> None:
+def finish_history(system: System, state: State, work: Workspace) -> None:
     """End step n + 1: displacements at all dofs, and the loads p_{n+1} taken in."""
+    elastic, scheme = system.elastic, system.scheme
     weight, p, p_n = scheme.weight, state.interfaces.p, work.interfaces.p_n
     modes, past = elastic.modes, state.past
     copy(work.interfaces.history, state.interfaces.u)
@@ -57,6 +59,7 @@ def finish_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
             for i in range(len(forces)):
                 forces[i] += phi[i] * load
     add_curvatures(elastic, state, work)
+    load_modes(system, state, work)
     _forced_response(elastic, scheme, state, work)
     if len(modes.chains.body):
         state.energies.damping[0] += stretch_chains(elastic, state, work)
@@ -138,6 +141,9 @@ def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         before = kept * modes.a[i] - lost * modes.acceleration[i]
         modes.acceleration[i] = ratio * a[i] + before
     copy(a, modes.a)
+    _forget_inertia(elastic, state)
+    for w in range(len(data.quasi_static)):  # they have no motion of their own
+        modes.eta[data.quasi_static[w]] = 0.0
 
 
 @compiled
@@ -155,6 +161,15 @@ def _forced_response(elastic: Elastic, scheme: Scheme, state: State, work: Works
         modes.acceleration[i] += ratio * change[i]
     for i in range(len(change)):
         modes.a[i] += change[i]
+    _forget_inertia(elastic, state)
+
+
+@compiled
+def _forget_inertia(elastic: Elastic, state: State) -> None:
+    """Quasi-static modes have displacements, load over stiffness, and no rates."""
+    for w in range(len(elastic.modes.quasi_static)):
+        i = elastic.modes.quasi_static[w]
+        state.modes.rate[i], state.modes.acceleration[i], state.modes.a[i] = 0.0, 0.0, 0.0
 
 
 @compiled

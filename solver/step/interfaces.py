@@ -72,6 +72,9 @@ def set_compatibility(elastic: Elastic, state: State, work: Workspace) -> None:
     u, p = state.interfaces.u, work.interfaces.p_active
     for i in range(len(p)):
         p[i] = state.interfaces.p[elastic.active[i]]
+    if len(work.surfaces.near):
+        for i in range(len(p)):
+            p[i] += work.surfaces.interface_load[i]
     for e in range(len(elastic.body)):
         begin, end = elastic.active_range[e], elastic.active_range[e + 1]
         entry = elastic.G_active_start[e]

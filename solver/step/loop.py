@@ -18,6 +18,13 @@ from .observers import follow_coordinates
 from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
+from .surfaces import (
+    approach_surfaces,
+    are_surfaces_closed,
+    await_contacts,
+    finish_surfaces,
+    keep_modes,
+)
 from .system import Inputs, Run, State, System, Workspace
 
 OTHER_SIZE = -1.0
@@ -54,7 +61,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         _finish(system, state, work)
         # Such a step does not count: it is taken again with steps that resolve the contact.
         in_flight = system.scheme.stride > 1
-        if state.contacts.passed[0] or (in_flight and is_closed(system.couplings, work)):
+        if state.contacts.passed[0] or (in_flight and _is_closed(system, work)):
             return k, residual
         row = inputs.row[k]
         if row >= 0:
@@ -79,6 +86,8 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     copy(state.couplings.lam, work.couplings.lam_n)
     keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
+    keep_modes(system, state, work)
+    await_contacts(system, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)
     predict_interfaces(system.scheme, state, work)
@@ -89,9 +98,10 @@ def prepare(system: System, state: State, work: Workspace) -> None:
 def _finish(system: System, state: State, work: Workspace) -> None:
     """Update all that a step carries on from its converged state."""
     release_open(system.couplings, state, work)
-    finish_history(system.elastic, system.scheme, state, work)
+    finish_history(system, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
+    finish_surfaces(system, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
@@ -113,4 +123,17 @@ def _is_other_size_due(system: System, state: State, work: Workspace) -> bool:
     if scheme.ratio == 1 or state.step[0] % scheme.ratio != 0:
         return False
     longest = scheme.h * (scheme.ratio // scheme.stride)
-    return approaches(system.couplings, longest, state, work) == (scheme.stride > 1)
+    return is_contact_near(system, longest, state, work) == (scheme.stride > 1)
+
+
+@entry
+def is_contact_near(system: System, h: float, state: State, work: Workspace) -> bool:
+    """Whether any contact is closed, or may be after a time h."""
+    if approaches(system.couplings, h, state, work):
+        return True
+    return approach_surfaces(system, h, state, work)
+
+
+@compiled
+def _is_closed(system: System, work: Workspace) -> bool:
+    return is_closed(system.couplings, work) or are_surfaces_closed(work)

@@ -25,6 +25,7 @@ from .couplings import move_multipliers, set_coupling_rhs
 from .elimination import factorize, substitute
 from .equations import assemble, evaluate, linearize, relative_residual
 from .interfaces import move_interfaces, set_interface_rhs
+from .surfaces import await_contacts, have_surfaces_switched
 from .system import State, System, Workspace
 
 NEGLIGIBLE_CORRECTION = 1e-15
@@ -126,7 +127,8 @@ def _has_factors(system: System, is_fast: bool, state: State, work: Workspace) -
     is_fast: corrections shrink fast enough with the old ones.
     """
     matrix = work.matrix
-    serves = matrix.current[0] == 1 and not has_switched(system.couplings, work)
+    switched = has_switched(system.couplings, work) or have_surfaces_switched(work)
+    serves = matrix.current[0] == 1 and not switched
     if not (serves and is_fast):
         matrix.current[0] = int(renew(system, state, work))
         matrix.count[0] += 1
@@ -169,3 +171,4 @@ def _restart(system: System, state: State, work: Workspace) -> None:
     # Predicted displacements belong to the accelerations that have just been dropped.
     copy(work.interfaces.u_n, state.interfaces.u)
     copy(work.couplings.lam_n, state.couplings.lam)
+    await_contacts(system, work)

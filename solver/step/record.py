@@ -114,7 +114,7 @@ def _record_energies(run: Run, k: int) -> None:
     modal = modal_energy(system.elastic, run.state)
     output.kinetic_energy[k] = energies.kinetic[0]
     output.potential_energy[k] = energies.potential[0]
-    output.elastic_energy[k] = modal + energies.convolved[0]
+    output.elastic_energy[k] = modal + energies.convolved[0] + energies.residual[0]
     output.modal_loss[k] = energies.modal[0] - modal
     output.modal_damping[k] = energies.damping[0]
     output.external_work[k] = energies.work[0]

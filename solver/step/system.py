@@ -41,6 +41,7 @@ from .records.laws import MotorState, MotorWork
 from .records.loads import LoadPatterns, Loads, LoadState, LoadWork, PatternState
 from .records.matrix import MatrixWork, Pattern
 from .records.scheme import Newton, Scheme
+from .records.surfaces import Surfaces, SurfaceState, SurfaceWork
 
 
 class System(Struct):
@@ -57,6 +58,7 @@ class System(Struct):
     patterns: LoadPatterns
     sensors: Sensors
     elastic: Elastic
+    surfaces: Surfaces
     pattern: Pattern
 
 
@@ -81,6 +83,7 @@ class State(Struct):
     couplings: CouplingState
     terms: TermState
     contacts: ContactState
+    surfaces: SurfaceState
     observers: ObserverState
     loads: LoadState
     patterns: PatternState
@@ -100,6 +103,7 @@ class Workspace(Struct):
     modes: ModalWork
     couplings: CouplingWork
     terms: TermWork
+    surfaces: SurfaceWork
     observers: ObserverWork
     loads: LoadWork
     drives: DriveWork

@@ -42,11 +42,14 @@ class Modes(Struct):
     damping: Array = array("n_m")
     """2 zeta omega [1/s]"""
     step_stiffness: Array = array("n_m")
-    """inertia_ratio + gamma h damping + beta h^2 stiffness (1 + hardening)"""
+    """inertia_ratio + gamma h damping + beta h^2 stiffness (1 + hardening); of a quasi-static mode
+    beta h^2 stiffness"""
     phi: Array = array("n")
     """mode shapes (n_c, m) at the dofs of a body, one body after the other; bodies may share one"""
     phi_start: Index = array("n_e")
     """first entry of each flexible body in `phi`"""
+    quasi_static: Index = array("n_quasi")
+    """modes without inertia, whose displacement is load over stiffness"""
     damped: int
     """1: some mode is damped"""
     chains: Chains

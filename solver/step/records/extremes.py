@@ -15,6 +15,8 @@ class EnergyState(Struct):
     """work of the interface loads on bodies whose history modes carry"""
     convolved: Array = array(1)
     """work of the interface loads on bodies whose kernels are convolved"""
+    residual: Array = array(1)
+    """energy of the residual flexibility of surfaces in contact"""
     damping: Array = array(1)
     """energy taken by the damping of modes and of the material"""
     work: Array = array(1)

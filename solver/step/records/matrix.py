@@ -45,6 +45,9 @@ class Pattern(Struct):
     term_block: Index = array("n_terms", 6, 2)
     """place and stride of the blocks (A, B), (B, A), (A, j), (j, A), (B, j), (j, B) of the coupling
     j that a term belongs to and the bodies of its frames A and B"""
+    island_block: Index = array("n_island_blocks", 4)
+    """blocks between bodies that surfaces couple, island by island: two bodies, by their places in
+    the island, place and stride"""
     force_block: Index = array("n_blocks", 4)
     """blocks in the rows of bodies: body, place, stride, width"""
 

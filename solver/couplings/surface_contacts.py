@@ -1,0 +1,111 @@
+"""Contacts of surfaces of flexible bodies: with shapes, rigid facets, or other flexible surfaces.
+
+The gap of each node of the surface, and its force, obey Signorini's law exactly, without a penalty:
+
+    0 <= P_i  _|_  y_i >= 0
+
+See solver/step/surfaces.py.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..schema.entry import Entry, entry, one_of
+from ..schema.values import NO_ARRAY, Name, OptionalDirection, OptionalPoints, Pair, Positive
+from .carried_shape import SHAPE_TYPES, CarriedShape
+
+GEOMETRIES = "smooth", "flat"
+"""how facets of targets are read: with arcs between their corners, or as they are"""
+
+
+class ShapeInFrame(NamedTuple):
+    """A shape in the axes of its frame, as compiled code reads it; none has the number -1."""
+
+    number: int
+    axis: Array
+    across: Array
+    parameters: list[float]
+
+
+@entry()
+class SurfaceContact(CarriedShape, Entry):
+    """A surface of a flexible body against a shape, rigid facets, or another flexible surface.
+
+    surfaces: the surface that has the rows, "BODY.SURFACE", the finer one or the softer body; and
+    what it meets, "BODY.SURFACE", or the frame that carries a shape or facets, "BODY.FRAME" or
+    "ground". shape, axis, radius, hollow, length, points: as of contacts of balls. facets: a file
+    of triangles in the axes of the frame [m], as "wall.stl". geometry: how the facets of the second
+    surface are read, "smooth", as arcs between their corners, or "flat". layer [N/m^3]: stiffness
+    per area of a layer between the surfaces, for flat against flat. margin [m]: nodes that are
+    nearer are candidates of contact in a step, by default within twice their motion in it.
+    """
+
+    label = "contact {name!r}"
+    group: ClassVar[str] = "contacts"
+
+    name: Name
+    surfaces: Pair
+    shape: Annotated[str, one_of(SHAPE_TYPES)] | None = None
+    axis: OptionalDirection = NO_ARRAY
+    radius: Positive | None = None
+    hollow: bool = False
+    length: Positive | None = None
+    points: OptionalPoints = NO_ARRAY
+    facets: Any = None
+    geometry: Annotated[str, one_of(GEOMETRIES)] = "smooth"
+    layer: Positive | None = None
+    margin: Positive | None = None
+
+    def validate(self) -> None:
+        if self.shape is not None:
+            self.check_shape()
+
+    @property
+    def between(self) -> tuple[str, str]:
+        """The target first, as of contacts of balls."""
+        return self.surfaces[1], self.surfaces[0]
+
+    @property
+    def body(self) -> str:
+        """The body of the surface that has the rows."""
+        return self.surfaces[0].partition(".")[0]
+
+    @property
+    def surface(self) -> str:
+        """The name of that surface on its body."""
+        return self.surfaces[0].partition(".")[2]
+
+    @property
+    def meets_surface(self) -> bool:
+        """Whether the target is a surface of a flexible body."""
+        return self.shape is None and self.facets is None
+
+    @property
+    def target(self) -> tuple[str, str]:
+        """The body and the surface, or frame, that it meets."""
+        body, _, name = self.surfaces[1].partition(".")
+        return body, name
+
+    @property
+    def flexible_bodies(self) -> tuple[str, ...]:
+        """The bodies whose surfaces it presses."""
+        return (self.body, self.target[0]) if self.meets_surface else (self.body,)
+
+    @property
+    def carrier(self) -> str:
+        """The frame that carries a shape or facets; of the bare ground its origin."""
+        return self.surfaces[1]
+
+    @property
+    def axis_in_space(self) -> Array | None:
+        return self.axis
+
+    def shape_in(self, poses: Mapping[str, Any], frame: str) -> ShapeInFrame:
+        """The shape in the axes of its frame, by the poses of frames at the start."""
+        if self.shape is None:
+            return ShapeInFrame(-1, np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), [])
+        axis, across = self.axes_of_shape(poses[frame].R)
+        return ShapeInFrame(self.kind.number, axis, across, self.shape_parameters())

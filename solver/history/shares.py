@@ -1,0 +1,62 @@
+"""The modes of bodies with surfaces in contact: which of them move, and which follow their load.
+
+Above the band w_b, the smaller of theta / h and the band of the file, a mode is quasi-static, eta = load / omega^2; below it moves with the
+share W of its displacements and follows with the rest, so that waves above the band leave the
+modes and do not ring at its edge:
+
+    W(s) = (1 - s^8) / (1 + (2 s)^4),    s = omega / w_b,    phi_moving = sqrt(W) phi
+
+Statics stay exact, and the body passive, for both parts are sums of positive terms.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...superelement import Modes, Superelement
+from ..arrays import Array, Index
+
+BAND_TIMES_STEP = 1.0
+"""theta: the highest circular frequency of a moving mode, times the step"""
+NEGLIGIBLE_SHARE = 1e-9
+"""share of a mode that is left out"""
+
+
+class Shares(NamedTuple):
+    """Modes of a body, split: the mode that each comes from, its factor, whether it moves."""
+
+    source: Index
+    factor: Array
+    quasi_static: NDArray[np.bool_]
+
+    def of(self, modes: Modes) -> Modes:
+        """The split modes."""
+        return replace(
+            modes,
+            omega=modes.omega[self.source],
+            zeta=np.where(self.quasi_static, 0.0, modes.zeta[self.source]),
+            phi=self.shapes(modes.phi),
+        )
+
+    def shapes(self, phi: Array) -> Array:
+        """The shapes (n, m) of the split modes from those of all modes."""
+        return phi[:, self.source] * self.factor
+
+
+def shares_of(element: Superelement, h: float) -> Shares:
+    """The shares of the modes of a superelement in steps of h [s]."""
+    assert element.modes is not None
+    omega = element.modes.omega
+    band = min(BAND_TIMES_STEP / h, 2.0 * np.pi * element.band)
+    s = np.minimum(omega / band, 1.0)
+    moving = (1.0 - s**8) / (1.0 + (2.0 * s) ** 4)
+    numbers = np.arange(len(omega))
+    source = np.concatenate([numbers, numbers])
+    share = np.concatenate([moving, 1.0 - moving])
+    quasi_static = np.repeat([False, True], len(omega))
+    # Sorted by mode, so that the frequencies of a body ascend.
+    order = np.argsort(source, kind="stable")
+    order = order[share[order] > NEGLIGIBLE_SHARE]
+    return Shares(source[order], np.sqrt(share[order]), quasi_static[order])

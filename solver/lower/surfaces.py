@@ -1,0 +1,288 @@
+"""Contacts of surfaces as arrays: their patches, the flexibility of their bodies, their islands."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array, as_index, as_rows
+from ..couplings.surface_contacts import SurfaceContact
+from ..history.layout import Stepping
+from ..history.packing import packed
+from ..history.shares import shares_of
+from ..model.model import Model
+from ..step.records.elastic import Elastic
+from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
+from .numbering import NumberedFrames, carrier_name
+from .patches import Patch, lay_out_facets, lay_out_patches, starts
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceLayout:
+    """The surfaces in contact of a model, as far as they do not depend on the step."""
+
+    contacts: tuple[SurfaceContact, ...]
+    owners: list[str]
+    """flexible bodies with surfaces in contact"""
+    patches: list[Patch]
+    """each surface once, those of a body together, then rigid ones"""
+    patch: list[int]
+    """patch of each contact that has the rows"""
+    target: list[int]
+    """patch that it meets, -1: a shape"""
+    frame: list[int]
+    """frame that carries a rigid target, -1: the target is flexible"""
+    islands: list[list[int]]
+    """contacts by island"""
+    island_bodies: list[list[int]]
+    """bodies by island"""
+
+
+def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
+    """The surfaces in contact, body by body, and the islands that are solved for together."""
+    contacts = model.surface_contacts
+    numbers = {name: b for b, name in enumerate(model.bodies)}
+    owners = [name for name in model.flexible_bodies if name in model.bodies_with_pressed_surfaces]
+    keys = [
+        key
+        for name in owners
+        for key in dict.fromkeys(key for contact in contacts for key in _keys(contact))
+        if key[0] == name
+    ]
+    patches = [
+        Patch(
+            f"{body}.{surface}",
+            numbers[body],
+            owners.index(body),
+            model.flexible_bodies[body].superelement.surface(surface),
+            smooth,
+        )
+        for body, surface, smooth in keys
+    ]
+    patch, target, frame = [], [], []
+    for contact in contacts:
+        own, *others = _keys(contact)
+        patch.append(keys.index(own))
+        number = -1 if others else frames.number(carrier_name(contact))
+        frame.append(number)
+        if contact.facets is not None:
+            body = int(frames.arrays.body[number])
+            smooth = contact.geometry == "smooth"
+            patches.append(Patch(contact.name, body, -1, contact.facets.surface, smooth))
+        rigid = len(patches) - 1 if contact.facets is not None else -1
+        target.append(keys.index(others[0]) if others else rigid)
+    islands = _islands(contacts)
+    bodies = []
+    for members in islands:
+        flexible = {numbers[name] for c in members for name in contacts[c].flexible_bodies}
+        carriers = {int(frames.arrays.body[frame[c]]) for c in members if frame[c] >= 0}
+        bodies.append(sorted((flexible | carriers) - {-1}))
+    return SurfaceLayout(contacts, owners, patches, patch, target, frame, islands, bodies)
+
+
+def _keys(contact: SurfaceContact) -> list[tuple[str, str, bool]]:
+    """Body, surface, and whether it is a smooth target, of the flexible surfaces of a contact."""
+    keys = [(contact.body, contact.surface, False)]
+    if contact.meets_surface:
+        keys.append((*contact.target, contact.geometry == "smooth"))
+    return keys
+
+
+def _islands(contacts: Sequence[SurfaceContact]) -> list[list[int]]:
+    """Contacts that share flexible bodies, directly or by others, together."""
+    islands: list[tuple[set[str], list[int]]] = []
+    for c, contact in enumerate(contacts):
+        bodies, members = set(contact.flexible_bodies), [c]
+        apart = []
+        for own, others in islands:
+            if own & bodies:
+                bodies, members = bodies | own, others + members
+            else:
+                apart.append((own, others))
+        islands = [*apart, (bodies, members)]
+    return [sorted(members) for _, members in islands]
+
+
+def lay_out_surfaces(
+    model: Model,
+    layout: SurfaceLayout,
+    frames: NumberedFrames,
+    elastic: Elastic,
+    stepping: Stepping,
+) -> Surfaces:
+    """All arrays of the contacts of surfaces, in steps of a size."""
+    patches = lay_out_patches(layout.patches)
+    return Surfaces(
+        patches=patches,
+        facets=lay_out_facets(layout.patches),
+        bodies=_lay_out_bodies(model, layout, elastic, stepping),
+        contacts=_lay_out_contacts(layout, frames, elastic, patches),
+    )
+
+
+def _lay_out_bodies(
+    model: Model, layout: SurfaceLayout, elastic: Elastic, stepping: Stepping
+) -> SurfaceBodies:
+    flexible = list(model.flexible_bodies)
+    numbers = [flexible.index(name) for name in layout.owners]
+    own = [[p for p in layout.patches if p.owner == s] for s in range(len(layout.owners))]
+    motions = [
+        _motion(model, name, patches, e, elastic, stepping)
+        for name, patches, e in zip(layout.owners, own, numbers, strict=True)
+    ]
+    each = range(len(motions))
+    phi, phi_start = packed([motion.phi for motion in motions], each)
+    T, T_start = packed([motion.T for motion in motions], each)
+    G, G_start = packed([motion.G for motion in motions], each)
+    bodies = elastic.body[numbers].tolist()
+    return SurfaceBodies(
+        flexible=as_index(numbers),
+        island=as_index(
+            [next(m for m, own in enumerate(layout.island_bodies) if b in own) for b in bodies]
+        ),
+        node=starts(sum(patch.surface.n for patch in patches) for patches in own),
+        phi=phi,
+        phi_start=phi_start,
+        T=T,
+        T_start=T_start,
+        G=G,
+        G_start=G_start,
+        reach=np.array([motion.reach for motion in motions], dtype=np.float64),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """How the nodes of a body move: see `SurfaceBodies`."""
+
+    phi: Array
+    T: Array
+    G: Array
+    reach: float
+
+
+def _motion(
+    model: Model,
+    name: str,
+    patches: Sequence[Patch],
+    e: int,
+    elastic: Elastic,
+    stepping: Stepping,
+) -> _Motion:
+    element = model.flexible_bodies[name].superelement
+    surfaces, modes = element.surfaces, element.modes
+    assert surfaces is not None
+    assert modes is not None
+    rows = [surfaces.rows(patch.surface.name) for patch in patches]
+    dofs = np.concatenate([np.arange(own.start, own.stop) for own in rows])
+    shapes = surfaces.phi[dofs]
+    residual = surfaces.H[np.ix_(dofs, dofs)] - (shapes / modes.omega**2) @ shapes.T
+    phi = shares_of(element, stepping.shortest).shapes(shapes)
+    own = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
+    h, beta = stepping.h, stepping.scheme.beta
+    per_mode = beta * h * h / elastic.modes.step_stiffness[own]
+    n_c, m = int(elastic.dof[e + 1] - elastic.dof[e]), phi.shape[1]
+    start = int(elastic.modes.phi_start[e])
+    phi_J = elastic.modes.phi[start : start + n_c * m].reshape(n_c, m)
+    active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+    phi_J = phi_J[active - elastic.dof[e]]
+    G_CJ, G_JJ = (phi * per_mode) @ phi_J.T, (phi_J * per_mode) @ phi_J.T
+    T = np.linalg.solve(G_JJ, G_CJ.T).T if len(active) else np.empty((len(dofs), 0))
+    G = (phi * per_mode) @ phi.T + residual - T @ G_CJ.T
+    squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
+    reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
+    return _Motion(phi, T, 0.5 * (G + G.T), reach)
+
+
+def _lay_out_contacts(
+    layout: SurfaceLayout, frames: NumberedFrames, elastic: Elastic, patches: Patches
+) -> SurfaceContacts:
+    contacts, patch = layout.contacts, layout.patch
+    shapes = [contact.shape_in(frames.poses, carrier_name(contact)) for contact in contacts]
+    widths = [[_coordinates(b, elastic) for b in bodies] for bodies in layout.island_bodies]
+    totals = [sum(width) for width in widths]
+    coordinate = np.full((len(contacts), 2), -1)
+    for members, bodies, width in zip(layout.islands, layout.island_bodies, widths, strict=True):
+        first = dict(zip(bodies, starts(width).tolist(), strict=False))
+        for c in members:
+            coordinate[c, 0] = first[layout.patches[patch[c]].body]
+            f, t = layout.frame[c], layout.target[c]
+            other = int(frames.arrays.body[f]) if f >= 0 else layout.patches[t].body
+            coordinate[c, 1] = first.get(other, -1)
+    supports = np.diff(patches.support_range[patches.row])
+    return SurfaceContacts(
+        patch=as_index(patch),
+        target=as_index(layout.target),
+        frame=as_index(layout.frame),
+        shape=as_index([shape.number for shape in shapes]),
+        side=np.array([-1.0 if contact.hollow else 1.0 for contact in contacts]),
+        axis=as_rows([shape.axis for shape in shapes]),
+        across=as_rows([shape.across for shape in shapes]),
+        first=starts(len(shape.parameters) for shape in shapes),
+        parameters=np.array([x for shape in shapes for x in shape.parameters], dtype=np.float64),
+        margin=np.array(
+            [np.nan if c.margin is None else c.margin for c in contacts], dtype=np.float64
+        ),
+        layer=np.array(
+            [0.0 if c.layer is None else 1.0 / c.layer for c in contacts], dtype=np.float64
+        ),
+        row=starts(len(layout.patches[p].corners) for p in patch),
+        support=starts(supports[patch].tolist()),
+        other=starts(_places_of_others(layout)),
+        island_range=starts(map(len, layout.islands)),
+        island=as_index([c for members in layout.islands for c in members]),
+        coordinate=as_index(coordinate).reshape(-1, 2),
+        body_range=starts(map(len, layout.island_bodies)),
+        body=as_index([b for bodies in layout.island_bodies for b in bodies]),
+        body_coordinate=as_index([i for width in widths for i in starts(width)[:-1]]),
+        body_width=as_index([n for width in widths for n in width]),
+        coordinates=as_index(totals),
+        stiffness_start=starts(n * n for n in totals)[:-1].copy(),
+        block_range=starts(len(bodies) ** 2 for bodies in layout.island_bodies),
+    )
+
+
+def _places_of_others(layout: SurfaceLayout) -> list[int]:
+    """The most nodes of the target that each row of each contact can meet."""
+    numbers = []
+    for p, t in zip(layout.patch, layout.target, strict=True):
+        patch = layout.patches[p]
+        points = [len(around) * len(patch.rule.weights) for around in patch.around]
+        if t < 0:
+            numbers += [0] * len(points)
+        else:
+            target = layout.patches[t]
+            numbers += [min(n * target.rule.n_nodes, target.surface.n) for n in points]
+    return numbers
+
+
+def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
+    """The dimensions of the state and the scratch of contacts of surfaces."""
+    contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
+    rows = np.diff(contacts.row)
+    members = [
+        contacts.island[first:last]
+        for first, last in zip(
+            contacts.island_range[:-1].tolist(), contacts.island_range[1:].tolist(), strict=True
+        )
+    ]
+    return {
+        "n_contacts": len(contacts.patch),
+        "n_islands": len(members),
+        "n_bodies": len(bodies.flexible),
+        "n_nodes": len(patches.X),
+        "n_facets": len(surfaces.facets.nodes),
+        "n_contact_rows": int(contacts.row[-1]),
+        "n_contact_supports": int(contacts.support[-1]),
+        "n_others": int(contacts.other[-1]),
+        "n_most_points": int(np.diff(patches.point).max(initial=0)),
+        "n_most_rows": max((int(rows[own].sum()) for own in members), default=0),
+        "n_most_coordinates": int(contacts.coordinates.max(initial=0)),
+        "n_stiffness": int((contacts.coordinates**2).sum()),
+        "n_most_displacements": 3 * int(np.diff(bodies.node).max(initial=0)),
+    }
+
+
+def _coordinates(body: int, elastic: Elastic) -> int:
+    e = int(elastic.of_body[body])
+    return 6 if e < 0 else 6 + int(elastic.active_range[e + 1] - elastic.active_range[e])

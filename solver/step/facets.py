@@ -1,0 +1,301 @@
+"""Targets of facets: the point of a surface that is nearest to another point, and its normal.
+
+Corner normals are means over the facets around a corner that turn by less than the feature angle.
+On smooth targets edges between corners are arcs, so that facets are quadratic: their middle nodes
+rise above the chord as those of the undeformed surface do (solver/lower/patches.py), whatever the
+waves of the deformed one.
+"""
+
+import math
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from .records.surfaces import Facets, SurfaceWork
+from .vectors import Vector, add, cross, dot, row, scale, subtract
+
+MAX_ITERATIONS = 20
+"""iterations of the projection on a facet, of which some five are needed"""
+MAX_WALK = 10
+"""facets over which the foot of a point may move from that of the center of its facet"""
+PRECISION = 1e-13
+"""change of reference coordinates that counts as none"""
+ON_EDGE = 1e-9
+"""distance to an edge, in reference coordinates, that counts as on it"""
+TRIANGLE, QUAD, TRIANGLE6, QUAD8, QUAD9 = 0, 1, 2, 3, 4
+"""types of facets by number"""
+
+
+@compiled
+def is_triangle(kind: int) -> bool:
+    return kind == TRIANGLE or kind == TRIANGLE6
+
+
+@compiled
+def facet_functions(kind: int, x: float, y: float, N: Array, dN: Array) -> int:
+    """Shape functions N (9,) and derivatives dN (2, 9) at (x, y); the number of nodes."""
+    if is_triangle(kind):
+        z = 1.0 - x - y
+        if kind == TRIANGLE:
+            N[0], N[1], N[2] = z, x, y
+            dN[0, 0], dN[0, 1], dN[0, 2] = -1.0, 1.0, 0.0
+            dN[1, 0], dN[1, 1], dN[1, 2] = -1.0, 0.0, 1.0
+            return 3
+        N[0], N[1], N[2] = z * (2.0 * z - 1.0), x * (2.0 * x - 1.0), y * (2.0 * y - 1.0)
+        N[3], N[4], N[5] = 4.0 * z * x, 4.0 * x * y, 4.0 * y * z
+        dN[0, 0], dN[0, 1], dN[0, 2] = 1.0 - 4.0 * z, 4.0 * x - 1.0, 0.0
+        dN[1, 0], dN[1, 1], dN[1, 2] = 1.0 - 4.0 * z, 0.0, 4.0 * y - 1.0
+        dN[0, 3], dN[0, 4], dN[0, 5] = 4.0 * (z - x), 4.0 * y, -4.0 * y
+        dN[1, 3], dN[1, 4], dN[1, 5] = -4.0 * x, 4.0 * x, 4.0 * (z - y)
+        return 6
+    if kind == QUAD9:
+        for l in range(9):
+            a, b = _corner(l)
+            N[l] = _along(x, a) * _along(y, b)
+            dN[0, l] = _slope_along(x, a) * _along(y, b)
+            dN[1, l] = _along(x, a) * _slope_along(y, b)
+        return 9
+    for l in range(4):
+        a, b = _corner(l)
+        p, q = 1.0 + a * x, 1.0 + b * y
+        if kind == QUAD:
+            N[l] = 0.25 * p * q
+            dN[0, l], dN[1, l] = 0.25 * a * q, 0.25 * b * p
+        else:
+            rest = a * x + b * y - 1.0
+            N[l] = 0.25 * p * q * rest
+            dN[0, l] = 0.25 * a * q * (rest + p)
+            dN[1, l] = 0.25 * b * p * (rest + q)
+    if kind == QUAD:
+        return 4
+    for l in range(4, 8):
+        a, b = _corner(l)
+        if a == 0.0:
+            N[l] = 0.5 * (1.0 - x * x) * (1.0 + b * y)
+            dN[0, l], dN[1, l] = -x * (1.0 + b * y), 0.5 * b * (1.0 - x * x)
+        else:
+            N[l] = 0.5 * (1.0 + a * x) * (1.0 - y * y)
+            dN[0, l], dN[1, l] = 0.5 * a * (1.0 - y * y), -y * (1.0 + a * x)
+    return 8
+
+
+@compiled
+def _corner(l: int) -> tuple[float, float]:
+    """Reference coordinates of node l of a quadrilateral: corners, midsides, center."""
+    if l == 8:
+        return 0.0, 0.0
+    if l >= 4:
+        if l == 4:
+            return 0.0, -1.0
+        if l == 5:
+            return 1.0, 0.0
+        return (0.0, 1.0) if l == 6 else (-1.0, 0.0)
+    a = 1.0 if l == 1 or l == 2 else -1.0
+    return a, 1.0 if l >= 2 else -1.0
+
+
+@compiled
+def _along(t: float, a: float) -> float:
+    return 1.0 - t * t if a == 0.0 else 0.5 * t * (t + a)
+
+
+@compiled
+def _slope_along(t: float, a: float) -> float:
+    return -2.0 * t if a == 0.0 else t + 0.5 * a
+
+
+@compiled
+def shape_target(facets: Facets, p: int, place: Array, work: SurfaceWork) -> None:
+    """Nodes, middle nodes and corner normals of the facets of patch p, whose nodes are at place."""
+    n_corners = facets.corners[p]
+    for f in range(facets.range[p], facets.range[p + 1]):
+        last = n_corners - 1
+        first = row(place, facets.nodes[f, 0])
+        a = subtract(row(place, facets.nodes[f, 2]), first)
+        b = subtract(row(place, facets.nodes[f, last]), row(place, facets.nodes[f, 1]))
+        if n_corners == 3:
+            b = a
+            a = subtract(row(place, facets.nodes[f, 1]), first)
+        normal = cross(a, b)
+        for x in range(3):
+            work.facet_normal[f, x] = normal[x]
+    for f in range(facets.range[p], facets.range[p + 1]):
+        for i in range(n_corners):
+            mean = (0.0, 0.0, 0.0)
+            for t in range(facets.around_range[4 * f + i], facets.around_range[4 * f + i + 1]):
+                mean = add(mean, row(work.facet_normal, facets.around[t]))
+            mean = scale(1.0 / math.sqrt(dot(mean, mean)), mean)
+            for x in range(3):
+                work.corner_normal[f, i, x] = mean[x]
+        _shape_facet(facets, p, f, place, work)
+
+
+@compiled
+def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork) -> None:
+    """The nodes of facet f, with middle nodes on arcs where it is smooth, and its sphere."""
+    n_corners, n_nodes = facets.corners[p], facets.n_nodes[p]
+    center = (0.0, 0.0, 0.0)
+    for l in range(n_nodes):
+        x = row(place, facets.nodes[f, l])
+        for c in range(3):
+            work.facet_place[f, l, c] = x[c]
+        if l < n_corners:
+            center = add(center, scale(1.0 / n_corners, x))
+    if facets.kind[p] != facets.shaped[p]:  # middle nodes that the mesh does not have
+        for i in range(n_corners):
+            k = (i + 1) % n_corners
+            a, b = row(work.facet_place[f], i), row(work.facet_place[f], k)
+            n = add(row(work.corner_normal[f], i), row(work.corner_normal[f], k))
+            n = scale(facets.rise[f, i] / math.sqrt(dot(n, n)), n)
+            middle = add(scale(0.5, add(a, b)), n)
+            for c in range(3):
+                work.facet_place[f, n_corners + i, c] = middle[c]
+        n_nodes = 2 * n_corners
+    radius = 0.0
+    for l in range(n_nodes):
+        apart = subtract(row(work.facet_place[f], l), center)
+        radius = max(radius, math.sqrt(dot(apart, apart)))
+    for c in range(3):
+        work.facet_center[f, c] = center[c]
+    work.facet_radius[f] = radius
+
+
+@compiled
+def seek_facet(
+    facets: Facets, p: int, x: Vector, normal: Vector, n_near: int, work: SurfaceWork
+) -> int:
+    """The facet nearest to x of those that face a normal, among `n_near` of `near_facet`; -1: none.
+
+    normal: that of the facet around x, of any length.
+    """
+    best, nearest = math.inf, -1
+    for t in range(n_near):
+        f = work.near_facet[t]
+        if dot(row(work.facet_normal, f), normal) < 0.0:
+            a, b, _ = _project(facets, p, f, x, work)
+            there, _, _ = point_of_facet(facets, p, f, a, b, work)
+            apart = subtract(x, there)
+            distance = dot(apart, apart)
+            if distance < best:
+                best, nearest = distance, f
+    return nearest
+
+
+@compiled
+def walk_to_foot(
+    facets: Facets, p: int, x: Vector, f: int, work: SurfaceWork
+) -> tuple[int, float, float, bool]:
+    """The facet below x, the reference coordinates there, and whether it covers x.
+
+    From facet f on, over edges behind which x lies; on an edge that is seen from both sides it
+    ends. A point that is nearest to the rim of a surface, and not above it, is not covered.
+    """
+    before = -1
+    a = b = 0.0
+    for _ in range(MAX_WALK):
+        a, b, inside = _project(facets, p, f, x, work)
+        if inside:
+            return f, a, b, True
+        beyond = _facet_beyond(facets, p, f, a, b)
+        if beyond < 0 or beyond == before:
+            return f, a, b, beyond >= 0
+        before, f = f, beyond
+    return f, a, b, True
+
+
+@compiled
+def _facet_beyond(facets: Facets, p: int, f: int, a: float, b: float) -> int:
+    """The facet behind the edge of facet f on which a point is, -1: the edge is on the rim."""
+    if is_triangle(facets.kind[p]):
+        on = b <= ON_EDGE, a + b >= 1.0 - ON_EDGE, a <= ON_EDGE, False
+    else:
+        on = b <= ON_EDGE - 1.0, a >= 1.0 - ON_EDGE, b >= 1.0 - ON_EDGE, a <= ON_EDGE - 1.0
+    beyond = -1
+    for i in range(4):
+        if on[i]:
+            beyond = max(beyond, facets.beside[f, i])
+    return beyond
+
+
+@compiled
+def _project(
+    facets: Facets, p: int, f: int, x: Vector, work: SurfaceWork
+) -> tuple[float, float, bool]:
+    """Reference coordinates of the point of facet f nearest to x; False where that is on an edge.
+
+    By Gauss's method with steps that end at the edges.
+    """
+    triangular = is_triangle(facets.kind[p])
+    a = b = 1.0 / 3.0 if triangular else 0.0
+    inside = True
+    for _ in range(MAX_ITERATIONS):
+        there, t_a, t_b = point_of_facet(facets, p, f, a, b, work)
+        apart = subtract(x, there)
+        aa, ab, bb = dot(t_a, t_a), dot(t_a, t_b), dot(t_b, t_b)
+        r_a, r_b = dot(apart, t_a), dot(apart, t_b)
+        det = aa * bb - ab * ab
+        if not det > 0.0:
+            return a, b, False
+        to_a, to_b = a + (bb * r_a - ab * r_b) / det, b + (aa * r_b - ab * r_a) / det
+        new_a, new_b, inside = _clip(triangular, to_a, to_b, aa, ab, bb)
+        change = max(abs(new_a - a), abs(new_b - b))
+        a, b = new_a, new_b
+        if change < PRECISION:
+            break
+    return a, b, inside
+
+
+@compiled
+def _clip(
+    triangular: bool, a: float, b: float, aa: float, ab: float, bb: float
+) -> tuple[float, float, bool]:
+    """The point of the facet nearest to (a, b) in the metric of its tangents, and if that is it."""
+    low, high = (0.0, 1.0) if triangular else (-1.0, 1.0)
+    if a >= low and b >= low and (a + b <= 1.0 if triangular else a <= high and b <= high):
+        return a, b, True
+    best, best_a, best_b = math.inf, a, b
+    for edge in range(3 if triangular else 4):
+        if triangular and edge == 2:
+            # along (1 - t, t)
+            u, v = a - 1.0, b
+            t = (aa * -u + ab * (u - v) + bb * v) / max(aa - 2.0 * ab + bb, 1e-300)
+            t = min(max(t, 0.0), 1.0)
+            e_a, e_b = 1.0 - t, t
+        elif edge % 2 == 0:
+            e_b = low if edge == 0 else high
+            e_a = min(max(a + ab / aa * (b - e_b), low), high)
+        else:
+            e_a = low if (edge == 3 or triangular) else high
+            e_b = min(max(b + ab / bb * (a - e_a), low), high)
+        u, v = a - e_a, b - e_b
+        distance = aa * u * u + 2.0 * ab * u * v + bb * v * v
+        if distance < best:
+            best, best_a, best_b = distance, e_a, e_b
+    return best_a, best_b, False
+
+
+@compiled
+def point_of_facet(
+    facets: Facets, p: int, f: int, a: float, b: float, work: SurfaceWork
+) -> tuple[Vector, Vector, Vector]:
+    """The point of facet f at (a, b), and both tangents."""
+    n = facet_functions(facets.shaped[p], a, b, work.N, work.dN)
+    x = t_a = t_b = (0.0, 0.0, 0.0)
+    for l in range(n):
+        node = row(work.facet_place[f], l)
+        x = add(x, scale(work.N[l], node))
+        t_a = add(t_a, scale(work.dN[0, l], node))
+        t_b = add(t_b, scale(work.dN[1, l], node))
+    return x, t_a, t_b
+
+
+@compiled
+def normal_of_facet(
+    facets: Facets, p: int, f: int, a: float, b: float, work: SurfaceWork
+) -> Vector:
+    """The normal of facet f at (a, b), between those of its corners."""
+    linear = TRIANGLE if is_triangle(facets.kind[p]) else QUAD
+    n = facet_functions(linear, a, b, work.N, work.dN)
+    normal = (0.0, 0.0, 0.0)
+    for l in range(n):
+        normal = add(normal, scale(work.N[l], row(work.corner_normal[f], l)))
+    return scale(1.0 / math.sqrt(dot(normal, normal)), normal)

@@ -1,0 +1,818 @@
+"""Contacts of surfaces of flexible bodies: exact unilateral constraints at their nodes.
+
+The gap of a row is a mean of that of the points around its node (facing.py):
+
+    y_i = 1/A_i sum_q w_q psi_i(q) n_q . (x_q - c_q),    0 <= P_i  _|_  y_i + P_i layer/A_i >= 0
+    x_k = x + R (X_k + u_k),    u_C = phi eta + T (u - history) + G f,    f = R^T sum_i P_i b_i
+
+with b_ik = d y_i / d x_k. The residual flexibility in G makes the forces an algebraic function of
+the motion, P(xi), which is solved for at each iterate of Newton's method; there the contact acts as
+a spring of the stiffness D^T W^-1 D, with D = dy/dxi and W = b G b^T of the closed rows. Tangent
+planes are laid at the first two iterates of a step, then they move with their target, so that
+Newton's method converges. Source: docs/theory.md, Contact of surfaces.
+"""
+
+import math
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from ..compiler.memory import copy
+from .complementarity import solve_closed, solve_complementarity
+from .facing import (
+    deformed,
+    distance_from_shape,
+    face_target,
+    look_at_target,
+    place_nodes,
+    set_row_gaps,
+    target_axes,
+    target_origin,
+)
+from .frames import coordinate, pull_back, width
+from .records.surfaces import Surfaces
+from .system import State, System, Workspace
+from .vectors import (
+    Vector,
+    add,
+    add_to_row,
+    cross,
+    dot,
+    inner,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    subtract,
+)
+
+LOOKS = 2
+"""iterates of a step at which tangent planes are laid"""
+STEPS_AHEAD = 3.0
+"""steps ahead in which a patch that may meet its target is followed"""
+MAX_TURN = 1e-4
+"""change of a gradient with which an old W still serves: corrections shrink by as much"""
+
+
+@compiled
+def await_contacts(system: System, work: Workspace) -> None:
+    """The beginning of a step, or of a new search for its end: no plane is known yet."""
+    if len(system.surfaces.contacts.patch):
+        work.surfaces.looks[0] = 0
+        work.surfaces.awake[:] = 0
+
+
+@compiled
+def keep_modes(system: System, state: State, work: Workspace) -> None:
+    """The modal coordinates at the start of a step, from which the work of contacts is counted."""
+    if len(system.surfaces.contacts.patch):
+        copy(state.modes.eta, work.surfaces.eta_n)
+
+
+@compiled
+def press_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Solve for the forces of all contacts at the present motion; those on frames load them."""
+    contacts, out = system.surfaces.contacts, work.surfaces
+    if len(contacts.patch) == 0 or out.looks[0] < 0:
+        return
+    if out.looks[0] == 0:
+        _find_near(system, state, work)
+    for s in range(len(system.surfaces.bodies.flexible)):
+        if out.awake[s]:
+            _set_base(system, s, state, work)
+            if out.looks[0] == 0:
+                _set_displacements_by_load(system.surfaces, s, state, work)
+    out.push[:] = 0.0
+    for m in range(len(contacts.island_range) - 1):
+        _press_island(system, m, state, work)
+    out.looks[0] += 1
+
+
+@compiled
+def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
+    """Forces of contacts on the rigid motion of the bodies of patches, and on their active dofs."""
+    surfaces, out, elastic = system.surfaces, work.surfaces, system.elastic
+    if len(surfaces.contacts.patch) == 0 or out.looks[0] < 0:
+        return
+    out.interface_load[:] = 0.0
+    for s in range(len(surfaces.bodies.flexible)):
+        if not out.awake[s]:
+            continue
+        b = elastic.body[surfaces.bodies.flexible[s]]
+        force = out.push[s, 0], out.push[s, 1], out.push[s, 2]
+        add_to_row(work.bodies.force, b, 0, rotate(state.bodies.R, b, force))
+        add_to_row(work.bodies.force, b, 3, (out.push[s, 3], out.push[s, 4], out.push[s, 5]))
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+            f = row(state.surfaces.load, k)
+            if f[0] != 0.0 or f[1] != 0.0 or f[2] != 0.0:
+                _add_interface_load(system, s, k, f, work)
+
+
+@compiled
+def add_surface_tangents(system: System, work: Workspace) -> None:
+    """K -= D^T W^-1 D: the contacts as springs between the bodies of their islands."""
+    contacts, out = system.surfaces.contacts, work.surfaces
+    if len(contacts.patch) == 0 or out.looks[0] < 0:
+        return
+    blocks = system.pattern.island_block
+    copy(out.closed, out.closed_in_matrix)
+    for m in range(len(contacts.island_range) - 1):
+        first = contacts.body_range[m]
+        n = contacts.coordinates[m]
+        for p in range(contacts.block_range[m], contacts.block_range[m + 1]):
+            i, k = first + blocks[p, 0], first + blocks[p, 1]
+            start, stride = blocks[p, 2], blocks[p, 3]
+            rows, columns = contacts.body_coordinate[i], contacts.body_coordinate[k]
+            for a in range(contacts.body_width[i]):
+                source = contacts.stiffness_start[m] + (rows + a) * n + columns
+                for b in range(contacts.body_width[k]):
+                    work.matrix.S[start + a * stride + b] -= out.stiffness[source + b]
+
+
+@compiled
+def have_surfaces_switched(work: Workspace) -> bool:
+    """Whether a row has closed or opened since the matrix was made."""
+    changed = 0
+    for i in range(len(work.surfaces.closed)):
+        changed += abs(work.surfaces.closed[i] - work.surfaces.closed_in_matrix[i])
+    return changed > 0
+
+
+@compiled
+def are_surfaces_closed(work: Workspace) -> bool:
+    """Whether any row is."""
+    total = 0
+    for i in range(len(work.surfaces.closed)):
+        total += work.surfaces.closed[i]
+    return total > 0
+
+
+@compiled
+def approach_surfaces(system: System, h: float, state: State, work: Workspace) -> bool:
+    """Whether a patch may meet its target after a time h."""
+    for c in range(len(system.surfaces.contacts.patch)):
+        if _is_near(system, c, h, state, work):
+            return True
+    return False
+
+
+@compiled
+def add_surface_scales(system: System, state: State, work: Workspace) -> None:
+    """The forces of rows, each by itself, join the force scales of the bodies."""
+    contacts, patches = system.surfaces.contacts, system.surfaces.patches
+    for c in range(len(contacts.patch)):
+        total = 0.0
+        for i in range(contacts.row[c], contacts.row[c + 1]):
+            total += state.surfaces.force[i]
+        if total == 0.0:
+            continue
+        p, f = contacts.patch[c], contacts.frame[c]
+        b = patches.body[p]
+        other = system.frames.body[f] if f >= 0 else patches.body[contacts.target[c]]
+        place = rotate(state.bodies.R, b, row(patches.center, p))
+        _add_scale(b, total, _length(place) + patches.radius[p], work)
+        if other >= 0:
+            apart = subtract(add(row(state.bodies.x, b), place), row(state.bodies.x, other))
+            _add_scale(other, total, _length(apart) + patches.radius[p], work)
+
+
+@compiled
+def _add_scale(b: int, force: float, arm: float, work: Workspace) -> None:
+    work.bodies.force_scale[b, 0] += force
+    work.bodies.force_scale[b, 1] += force * arm
+
+
+@compiled
+def load_modes(system: System, state: State, work: Workspace) -> None:
+    """Loads of contacts on the modes, phi^T f, and the displacements of all dofs by them."""
+    surfaces, elastic, scheme = system.surfaces, system.elastic, system.scheme
+    modes, out = elastic.modes, work.surfaces
+    for s in range(len(surfaces.bodies.flexible)):
+        e = surfaces.bodies.flexible[s]
+        begin, end = modes.range[e], modes.range[e + 1]
+        m = end - begin
+        load = state.surfaces.modal_load[begin:end]
+        copy(load, out.modal_load_n[begin:end])
+        load[:] = 0.0
+        out.modal_step[begin:end] = 0.0
+        first, start = surfaces.bodies.node[s], surfaces.bodies.phi_start[s]
+        loaded = False
+        for k in range(first, surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                f = state.surfaces.load[k, x]
+                if f != 0.0:
+                    loaded = True
+                    place = start + (3 * (k - first) + x) * m
+                    phi = surfaces.bodies.phi[place : place + m]
+                    for i in range(m):
+                        load[i] += phi[i] * f
+        if not loaded:
+            continue
+        for i in range(m):
+            work.modes.load[begin + i] += load[i]
+            step = scheme.beta * scheme.h * scheme.h / modes.step_stiffness[begin + i]
+            out.modal_step[begin + i] = step * load[i]
+        for k in range(elastic.dof[e], elastic.dof[e + 1]):
+            place = modes.phi_start[e] + (k - elastic.dof[e]) * m
+            change = inner(modes.phi[place : place + m], out.modal_step[begin:end])
+            state.interfaces.u[k] += change
+
+
+@compiled
+def finish_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Displacements of nodes at the end of a step, and the work of contacts on the modes.
+
+    With the mean load over the step, as of interfaces; and the energy of the residual flexibility,
+    1/2 f . F f.
+    """
+    surfaces, modes, out = system.surfaces, system.elastic.modes, work.surfaces
+    total = 0.0
+    for s in range(len(surfaces.bodies.flexible)):
+        e = surfaces.bodies.flexible[s]
+        for i in range(modes.range[e], modes.range[e + 1]):
+            mean = 0.5 * (state.surfaces.modal_load[i] + out.modal_load_n[i])
+            state.energies.modal[0] += mean * (state.modes.eta[i] - out.eta_n[i])
+            total -= out.modal_step[i] * state.surfaces.modal_load[i]
+        if not out.awake[s]:
+            continue
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                state.surfaces.u[k, x] = out.base[k, x] + out.by_load[k, x]
+                f = state.surfaces.load[k, x]
+                if f != 0.0:
+                    total += f * (out.by_load[k, x] + _by_interface_load(system, s, k, x, work))
+    state.energies.residual[0] = 0.5 * total
+
+
+@compiled
+def _find_near(system: System, state: State, work: Workspace) -> None:
+    """The contacts that may close in this step, and the free motion of their bodies."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts = surfaces.contacts
+    for c in range(len(contacts.patch)):
+        near = _is_near(system, c, system.scheme.h, state, work)
+        out.near[c] = int(near)
+        if near:
+            _wake(system, surfaces.patches.owner[contacts.patch[c]], state, work)
+            if contacts.target[c] >= 0 and contacts.frame[c] < 0:
+                _wake(system, surfaces.patches.owner[contacts.target[c]], state, work)
+    for s in range(len(surfaces.bodies.flexible)):
+        if not out.awake[s]:
+            for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+                for x in range(3):
+                    state.surfaces.load[k, x] = 0.0
+    for i in range(len(out.closed)):
+        state.surfaces.gap[i] = math.nan
+
+
+@compiled
+def _wake(system: System, s: int, state: State, work: Workspace) -> None:
+    """Displacements of the nodes of a body by the free motion of its modes, phi eta."""
+    bodies, modes = system.surfaces.bodies, system.elastic.modes
+    if work.surfaces.awake[s]:
+        return
+    work.surfaces.awake[s] = 1
+    e, first = bodies.flexible[s], bodies.node[s]
+    begin, end = modes.range[e], modes.range[e + 1]
+    m = end - begin
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            place = bodies.phi_start[s] + (3 * (k - first) + x) * m
+            phi = bodies.phi[place : place + m]
+            work.surfaces.free[k, x] = inner(phi, state.modes.eta[begin:end])
+
+
+@compiled
+def _is_near(system: System, c: int, h: float, state: State, work: Workspace) -> bool:
+    """Whether the sphere around a patch, as large as it may have become, may meet its target."""
+    surfaces, contacts = system.surfaces, system.surfaces.contacts
+    p, t, f = contacts.patch[c], contacts.target[c], contacts.frame[c]
+    center = _center(system, p, state)
+    reach, speed = _reach(system, p, state), _speed(system, p, state)
+    delta = subtract(center, target_origin(system, c, state, work))
+    if f >= 0:
+        V = work.frames.V
+        speed += _length((V[f, 0], V[f, 1], V[f, 2]))
+        speed += _length((V[f, 3], V[f, 4], V[f, 5])) * _length(delta)
+    if t < 0:
+        y = target_axes(system, c, delta, True, state, work)
+        gap, _, _ = distance_from_shape(surfaces, c, y)
+    else:
+        place = row(surfaces.patches.center, t)
+        gap = _length(subtract(target_axes(system, c, delta, True, state, work), place))
+        if f >= 0:
+            gap -= surfaces.patches.radius[t]
+        else:
+            gap -= _reach(system, t, state)
+            speed += _speed(system, t, state)
+    return gap < reach + STEPS_AHEAD * h * speed
+
+
+@compiled
+def _center(system: System, p: int, state: State) -> Vector:
+    """The center of the sphere around patch p of a body, in space."""
+    b = system.surfaces.patches.body[p]
+    lever = rotate(state.bodies.R, b, row(system.surfaces.patches.center, p))
+    return add(row(state.bodies.x, b), lever)
+
+
+@compiled
+def _reach(system: System, p: int, state: State) -> float:
+    """The radius of patch p, with the most that the energy of its body can move a node."""
+    surfaces, modes = system.surfaces, system.elastic.modes
+    s = surfaces.patches.owner[p]
+    e = surfaces.bodies.flexible[s]
+    energy = 0.0
+    for i in range(modes.range[e], modes.range[e + 1]):
+        energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
+    return float(surfaces.patches.radius[p] + surfaces.bodies.reach[s] * math.sqrt(energy))
+
+
+@compiled
+def _speed(system: System, p: int, state: State) -> float:
+    """A bound of the speed of the points of patch p, which move with their body."""
+    patches = system.surfaces.patches
+    b = patches.body[p]
+    turning = _length(_spin(b, state)) * (patches.radius[p] + _length(row(patches.center, p)))
+    return _length(row(state.bodies.v, b)) + turning
+
+
+@compiled
+def _spin(b: int, state: State) -> Vector:
+    return state.bodies.v[b, 3], state.bodies.v[b, 4], state.bodies.v[b, 5]
+
+
+@compiled
+def _length(a: Vector) -> float:
+    return math.sqrt(dot(a, a))
+
+
+@compiled
+def _set_base(system: System, s: int, state: State, work: Workspace) -> None:
+    """Displacements without forces of contacts: phi eta + T (u - history)."""
+    bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
+    e, first = bodies.flexible[s], bodies.node[s]
+    begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+    n_a = end - begin
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            total, place = out.free[k, x], bodies.T_start[s] + (3 * (k - first) + x) * n_a - begin
+            for i in range(begin, end):
+                z = elastic.active[i]
+                change = state.interfaces.u[z] - work.interfaces.history[z]
+                total += bodies.T[place + i] * change
+            out.base[k, x] = total
+
+
+@compiled
+def _set_displacements_by_load(surfaces: Surfaces, s: int, state: State, work: Workspace) -> None:
+    """G f of the nodes of a body."""
+    bodies, out = surfaces.bodies, work.surfaces
+    first, last = bodies.node[s], bodies.node[s + 1]
+    width_of_G = 3 * (last - first)
+    column = out.column[:width_of_G]
+    column[:] = 0.0
+    for k in range(first, last):
+        for x in range(3):
+            f = state.surfaces.load[k, x]
+            if f != 0.0:
+                place = bodies.G_start[s] + (3 * (k - first) + x) * width_of_G
+                G = bodies.G[place : place + width_of_G]  # a row, for G is symmetric
+                for i in range(width_of_G):
+                    column[i] += f * G[i]
+    for k in range(first, last):
+        for x in range(3):
+            out.by_load[k, x] = column[3 * (k - first) + x]
+
+
+@compiled
+def _press_island(system: System, m: int, state: State, work: Workspace) -> None:
+    """Forces of the contacts of island m at the present motion, and its stiffness."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts = surfaces.contacts
+    looks = out.looks[0] < LOOKS
+    if looks:
+        out.count[m] = 0
+    for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
+        c = contacts.island[w]
+        if out.near[c] and looks:
+            place_nodes(system, c, state, work)
+            _find_candidates(system, m, c, state, work)
+        elif out.looks[0] == 0:
+            for i in range(contacts.row[c], contacts.row[c + 1]):
+                out.closed[i], state.surfaces.force[i] = 0, 0.0
+    n = out.count[m]
+    for r in range(n):
+        _set_gradient(system, m, r, state, work)
+        out.active[r] = out.closed[out.candidate[m, r]]
+    if looks:
+        _load_nodes(system, m, state, work)
+    if _is_W_outdated(surfaces, m, work):
+        _set_compliances(surfaces, m, work)
+    for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
+        c = contacts.island[w]
+        if out.near[c]:
+            place_nodes(system, c, state, work)
+            _set_gaps(system, m, c, state, work)
+    count = solve_complementarity(
+        n, out.W[m], out.q, out.active, out.factored[m], out.factor[m], out.order[m], out.lam, out.y
+    )
+    for r in range(n):
+        i = out.candidate[m, r]
+        out.closed[i] = out.active[r]
+        # No motion goes on from where there is no solution.
+        state.surfaces.force[i] = out.lam[r] if count >= 0 else math.nan
+        state.surfaces.gap[i] = out.y[r]
+    _load_nodes(system, m, state, work)
+    _push_bodies(system, m, state, work)
+    _set_stiffness(system, m, max(count, 0), state, work)
+
+
+@compiled
+def _find_candidates(system: System, m: int, c: int, state: State, work: Workspace) -> None:
+    """Rows of contact c that may be closed at the end of the step, with their gradients."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts = surfaces.contacts
+    margin = contacts.margin[c]
+    if math.isnan(margin):
+        margin = 2.0 * system.scheme.h * _closing_speed(system, c, state, work)
+    look_at_target(system, c, margin, work)
+    set_row_gaps(surfaces, c, state, work)
+    for i in range(contacts.row[c], contacts.row[c + 1]):
+        gap = state.surfaces.gap[i]
+        # Without its force a closed row would penetrate: it stays a candidate while it is covered.
+        if gap < margin or (out.closed[i] and not math.isnan(gap)):
+            r = out.count[m]
+            out.candidate[m, r], out.contact[m, r] = i, c
+            out.count[m] = r + 1
+            face_target(surfaces, c, i, work)
+        else:
+            out.closed[i], state.surfaces.force[i] = 0, 0.0
+
+
+@compiled
+def _closing_speed(system: System, c: int, state: State, work: Workspace) -> float:
+    """A bound of the speed at which the patch of contact c and its target move as rigid bodies."""
+    surfaces, V, f = system.surfaces, work.frames.V, system.surfaces.contacts.frame[c]
+    patches, p = surfaces.patches, surfaces.contacts.patch[c]
+    center = _center(system, p, state)
+    b = patches.body[p]
+    omega = rotate(state.bodies.R, b, _spin(b, state))
+    velocity = add(row(state.bodies.v, b), cross(omega, subtract(center, row(state.bodies.x, b))))
+    arm = subtract(center, target_origin(system, c, state, work))
+    if f >= 0:
+        other, turning = (V[f, 0], V[f, 1], V[f, 2]), (V[f, 3], V[f, 4], V[f, 5])
+    else:
+        t = patches.body[surfaces.contacts.target[c]]
+        other, turning = row(state.bodies.v, t), rotate(state.bodies.R, t, _spin(t, state))
+    other = add(other, cross(turning, arm))
+    spins = _length(omega) + _length(turning)
+    return _length(subtract(velocity, other)) + spins * patches.radius[p]
+
+
+@compiled
+def _set_gradient(system: System, m: int, r: int, state: State, work: Workspace) -> None:
+    """b of candidate r, and its mean normal, in the axes of its body."""
+    out, c = work.surfaces, work.surfaces.contact[m, r]
+    b = system.surfaces.patches.body[system.surfaces.contacts.patch[c]]
+    begin, end, first = _supports(system.surfaces, m, r, work)
+    mean = (0.0, 0.0, 0.0)
+    for j in range(first, first + end - begin):
+        n = target_axes(system, c, row(out.facing, j), False, state, work)
+        n = rotate_back(state.bodies.R, b, n)
+        mean = add(mean, n)
+        for x in range(3):
+            out.gradient[j, x] = n[x]
+    for x in range(3):
+        state.surfaces.normal[out.candidate[m, r], x] = mean[x]
+
+
+@compiled
+def _supports(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int, int, int]:
+    """The first and last node around candidate r of island m, as places in `support`, and the place
+    of the first in `gradient`.
+    """
+    contacts, patches = surfaces.contacts, surfaces.patches
+    c, i = work.surfaces.contact[m, r], work.surfaces.candidate[m, r]
+    p = contacts.patch[c]
+    local = i - contacts.row[c] + patches.row[p]
+    begin, end = patches.support_range[local], patches.support_range[local + 1]
+    return begin, end, contacts.support[c] + begin - patches.support_range[patches.row[p]]
+
+
+@compiled
+def _others(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int, int]:
+    """The first and last node of a flexible target that candidate r meets, as places in `other`."""
+    i = work.surfaces.candidate[m, r]
+    first = surfaces.contacts.other[i]
+    if surfaces.contacts.frame[work.surfaces.contact[m, r]] >= 0:
+        return first, first
+    return first, first + work.surfaces.other_count[i]
+
+
+@compiled
+def _set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> None:
+    """q: gaps of the candidates of contact c, less those by their forces."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, t = surfaces.contacts, surfaces.contacts.target[c]
+    for r in range(out.count[m]):
+        if out.contact[m, r] != c:
+            continue
+        i = out.candidate[m, r]
+        begin, end, first = _supports(surfaces, m, r, work)
+        total = out.offset[i]
+        for j in range(begin, end):
+            place = row(out.place, surfaces.patches.support[j])
+            total += dot(row(out.facing, first + j - begin), place)
+        if t >= 0:
+            for j in range(contacts.other[i], contacts.other[i] + out.other_count[i]):
+                total += dot(row(out.other_gradient, j), row(out.place, out.other[j]))
+        for o in range(out.count[m]):
+            total -= out.W[m, r, o] * state.surfaces.force[out.candidate[m, o]]
+        # that of a layer is no displacement of the nodes
+        out.q[r] = total + _layer(surfaces, c, i, work) * state.surfaces.force[i]
+
+
+@compiled
+def _layer(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
+    """The compliance of the layer at row i [m/N]."""
+    return float(surfaces.contacts.layer[c] / work.surfaces.area[i])
+
+
+@compiled
+def _is_W_outdated(surfaces: Surfaces, m: int, work: Workspace) -> bool:
+    """Whether candidates or their gradients have changed since W of island m was made."""
+    out = work.surfaces
+    if out.W_count[m] != out.count[m]:
+        return True
+    for r in range(out.count[m]):
+        if out.W_row[m, r] != out.candidate[m, r]:
+            return True
+    for r in range(out.count[m]):
+        begin, end, first = _supports(surfaces, m, r, work)
+        for j in range(first, first + end - begin):
+            for x in range(3):
+                if abs(out.gradient[j, x] - out.W_gradient[j, x]) > MAX_TURN:
+                    return True
+        begin, end = _others(surfaces, m, r, work)
+        for j in range(begin, end):
+            if out.other[j] != out.W_other[j]:
+                return True
+            for x in range(3):
+                if abs(out.other_gradient[j, x] - out.W_other_gradient[j, x]) > MAX_TURN:
+                    return True
+    return False
+
+
+@compiled
+def _set_compliances(surfaces: Surfaces, m: int, work: Workspace) -> None:
+    """W of the candidates of island m: gaps by forces, of bodies and of layers."""
+    out, contacts, patches = work.surfaces, surfaces.contacts, surfaces.patches
+    n = out.count[m]
+    for r in range(n):
+        for o in range(n):
+            out.W[m, r, o] = 0.0
+    for r in range(n):
+        c, i = out.contact[m, r], out.candidate[m, r]
+        s = patches.owner[contacts.patch[c]]
+        _clear_column(surfaces, s, work)
+        begin, end, first = _supports(surfaces, m, r, work)
+        for j in range(begin, end):
+            b = row(out.gradient, first + j - begin)
+            _add_to_column(surfaces, s, patches.support[j], b, work)
+            for x in range(3):
+                out.W_gradient[first + j - begin, x] = b[x]
+        _add_column(surfaces, m, r, s, work)
+        begin, end = _others(surfaces, m, r, work)
+        if begin < end:
+            s = patches.owner[contacts.target[c]]
+            _clear_column(surfaces, s, work)
+            for j in range(begin, end):
+                b = row(out.other_gradient, j)
+                _add_to_column(surfaces, s, out.other[j], b, work)
+                out.W_other[j] = out.other[j]
+                for x in range(3):
+                    out.W_other_gradient[j, x] = b[x]
+            _add_column(surfaces, m, r, s, work)
+        out.W[m, r, r] += _layer(surfaces, c, i, work)
+        out.W_row[m, r] = i
+    for r in range(n):
+        for o in range(r):
+            out.W[m, o, r] = out.W[m, r, o]
+    out.W_count[m] = n
+    if n:
+        out.factored[m, 0] = -1
+
+
+@compiled
+def _clear_column(surfaces: Surfaces, s: int, work: Workspace) -> None:
+    n = 3 * (surfaces.bodies.node[s + 1] - surfaces.bodies.node[s])
+    for i in range(n):
+        work.surfaces.column[i] = 0.0
+
+
+@compiled
+def _add_to_column(surfaces: Surfaces, s: int, k: int, b: Vector, work: Workspace) -> None:
+    """Displacements of the nodes of body s by a force b on node k."""
+    bodies = surfaces.bodies
+    first = bodies.node[s]
+    n = 3 * (bodies.node[s + 1] - first)
+    column = work.surfaces.column[:n]
+    for x in range(3):
+        if b[x] != 0.0:
+            start = bodies.G_start[s] + (3 * (k - first) + x) * n
+            G = bodies.G[start : start + n]
+            for i in range(n):
+                column[i] += b[x] * G[i]
+
+
+@compiled
+def _add_column(surfaces: Surfaces, m: int, r: int, s: int, work: Workspace) -> None:
+    """Gaps of the candidates up to r by the displacements of the nodes of body s."""
+    out, contacts, patches = work.surfaces, surfaces.contacts, surfaces.patches
+    node = surfaces.bodies.node[s]
+    for o in range(r + 1):
+        total, c = 0.0, out.contact[m, o]
+        if patches.owner[contacts.patch[c]] == s:
+            begin, end, first = _supports(surfaces, m, o, work)
+            for j in range(begin, end):
+                k = 3 * (patches.support[j] - node)
+                for x in range(3):
+                    total += out.gradient[first + j - begin, x] * out.column[k + x]
+        if contacts.frame[c] < 0 and patches.owner[contacts.target[c]] == s:
+            begin, end = _others(surfaces, m, o, work)
+            for j in range(begin, end):
+                k = 3 * (out.other[j] - node)
+                for x in range(3):
+                    total += out.other_gradient[j, x] * out.column[k + x]
+        out.W[m, r, o] += total
+
+
+@compiled
+def _load_nodes(system: System, m: int, state: State, work: Workspace) -> None:
+    """Forces on the nodes of the bodies of island m, and their displacements by these."""
+    surfaces, out = system.surfaces, work.surfaces
+    patches = surfaces.patches
+    for s in range(len(surfaces.bodies.flexible)):
+        if surfaces.bodies.island[s] == m and out.awake[s]:
+            for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+                for x in range(3):
+                    state.surfaces.load[k, x] = 0.0
+    for r in range(out.count[m]):
+        force = state.surfaces.force[out.candidate[m, r]]
+        if force != 0.0:
+            begin, end, first = _supports(surfaces, m, r, work)
+            for j in range(begin, end):
+                for x in range(3):
+                    by_row = force * out.gradient[first + j - begin, x]
+                    state.surfaces.load[patches.support[j], x] += by_row
+            begin, end = _others(surfaces, m, r, work)
+            for j in range(begin, end):
+                for x in range(3):
+                    state.surfaces.load[out.other[j], x] += force * out.other_gradient[j, x]
+    for s in range(len(surfaces.bodies.flexible)):
+        if surfaces.bodies.island[s] == m and out.awake[s]:
+            _set_displacements_by_load(surfaces, s, state, work)
+
+
+@compiled
+def _push_bodies(system: System, m: int, state: State, work: Workspace) -> None:
+    """Forces and moments of the rows of island m on bodies as a whole, and on frames of targets."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, patches = surfaces.contacts, surfaces.patches
+    for r in range(out.count[m]):
+        force = state.surfaces.force[out.candidate[m, r]]
+        if force == 0.0:
+            continue
+        c = out.contact[m, r]
+        linear, moment = _wrench(system, m, r, work)
+        s, f = patches.owner[contacts.patch[c]], contacts.frame[c]
+        add_to_row(out.push, s, 0, scale(force, linear))
+        add_to_row(out.push, s, 3, scale(force, moment))
+        linear, moment = _wrench_on_target(system, m, r, state, work)
+        if f >= 0:
+            add_to_row(work.frames.wrench, f, 0, scale(force, linear))
+            add_to_row(work.frames.wrench, f, 3, scale(force, moment))
+        else:
+            b, s = patches.body[contacts.target[c]], patches.owner[contacts.target[c]]
+            add_to_row(out.push, s, 0, scale(force, rotate_back(state.bodies.R, b, linear)))
+            add_to_row(out.push, s, 3, scale(force, rotate_back(state.bodies.R, b, moment)))
+
+
+@compiled
+def _wrench(system: System, m: int, r: int, work: Workspace) -> tuple[Vector, Vector]:
+    """Force and moment of a unit force of candidate r on its body, in body axes."""
+    surfaces, out = system.surfaces, work.surfaces
+    begin, end, first = _supports(surfaces, m, r, work)
+    force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for j in range(begin, end):
+        b = row(out.gradient, first + j - begin)
+        force = add(force, b)
+        moment = add(moment, cross(deformed(surfaces, surfaces.patches.support[j], work), b))
+    return force, moment
+
+
+@compiled
+def _wrench_on_target(
+    system: System, m: int, r: int, state: State, work: Workspace
+) -> tuple[Vector, Vector]:
+    """The opposite wrench on the target, about the origin of its axes, in space."""
+    surfaces, c = system.surfaces, work.surfaces.contact[m, r]
+    b = surfaces.patches.body[surfaces.contacts.patch[c]]
+    force, moment = _wrench(system, m, r, work)
+    force = scale(-1.0, rotate(state.bodies.R, b, force))
+    moment = scale(-1.0, rotate(state.bodies.R, b, moment))
+    apart = subtract(row(state.bodies.x, b), target_origin(system, c, state, work))
+    return force, add(moment, cross(apart, force))
+
+
+@compiled
+def _set_stiffness(system: System, m: int, count: int, state: State, work: Workspace) -> None:
+    """D^T W^-1 D of island m, of its `count` closed rows."""
+    contacts, out = system.surfaces.contacts, work.surfaces
+    width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
+    for a in range(count):
+        _set_derivative(system, m, out.order[m, a], out.D[a], state, work)
+    # W^-1 is applied to one column of D after the other
+    for z in range(width_of_D):
+        for a in range(count):
+            out.y[a] = out.D[a, z]
+        solve_closed(count, out.factor[m], out.y)
+        for x in range(width_of_D):
+            total = 0.0
+            for a in range(count):
+                total += out.D[a, x] * out.y[a]
+            out.stiffness[start + x * width_of_D + z] = total
+
+
+@compiled
+def _set_derivative(
+    system: System, m: int, r: int, D: Array, state: State, work: Workspace
+) -> None:
+    """D of candidate r by the coordinates of the bodies of island m."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, patches = surfaces.contacts, surfaces.patches
+    for z in range(contacts.coordinates[m]):
+        D[z] = 0.0
+    c = out.contact[m, r]
+    own, other, f = contacts.coordinate[c, 0], contacts.coordinate[c, 1], contacts.frame[c]
+    force, moment = _wrench(system, m, r, work)
+    for x in range(3):
+        D[own + x] += force[x]
+        D[own + 3 + x] += moment[x]
+    begin, end, first = _supports(surfaces, m, r, work)
+    s = patches.owner[contacts.patch[c]]
+    for j in range(begin, end):
+        b = row(out.gradient, first + j - begin)
+        _add_by_interfaces(system, s, patches.support[j], b, own + 6, D)
+    if other < 0:
+        return
+    force, moment = _wrench_on_target(system, m, r, state, work)
+    if f >= 0:
+        pull_back(system.frames, f, (force, moment), state, work, out.wrench)
+        for z in range(width(system.frames, f)):
+            D[other + coordinate(system.frames, f, z)] += out.wrench[z]
+        return
+    t = patches.body[contacts.target[c]]
+    force = rotate_back(state.bodies.R, t, force)
+    moment = rotate_back(state.bodies.R, t, moment)
+    for x in range(3):
+        D[other + x] += force[x]
+        D[other + 3 + x] += moment[x]
+    begin, end = _others(surfaces, m, r, work)
+    s = patches.owner[contacts.target[c]]
+    for j in range(begin, end):
+        _add_by_interfaces(system, s, out.other[j], row(out.other_gradient, j), other + 6, D)
+
+
+@compiled
+def _add_by_interfaces(system: System, s: int, k: int, b: Vector, first: int, D: Array) -> None:
+    """D += T^T b of node k of body s, from place `first` on."""
+    bodies, elastic = system.surfaces.bodies, system.elastic
+    e = bodies.flexible[s]
+    n_a = elastic.active_range[e + 1] - elastic.active_range[e]
+    for x in range(3):
+        start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
+        for i in range(n_a):
+            D[first + i] += b[x] * bodies.T[start + i]
+
+
+@compiled
+def _add_interface_load(system: System, s: int, k: int, f: Vector, work: Workspace) -> None:
+    """interface_load += T^T f of node k of body s."""
+    begin = system.elastic.active_range[system.surfaces.bodies.flexible[s]]
+    _add_by_interfaces(system, s, k, f, begin, work.surfaces.interface_load)
+
+
+@compiled
+def _by_interface_load(system: System, s: int, k: int, x: int, work: Workspace) -> float:
+    """The displacement T G_JJ T^T f of node k along axis x."""
+    bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
+    e = bodies.flexible[s]
+    begin, n_a = elastic.active_range[e], elastic.active_range[e + 1] - elastic.active_range[e]
+    start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
+    total = 0.0
+    for i in range(n_a):
+        place = elastic.G_active_start[e] + i * n_a
+        G = elastic.G_active[place : place + n_a]
+        total += bodies.T[start + i] * inner(G, out.interface_load[begin : begin + n_a])
+    return total
