@@ -21,13 +21,14 @@ Row = tuple[str, str]
 
 
 def describe(element: Superelement) -> Table:
-    """Mass properties, interfaces, frequencies, kernel and provenance, a section each."""
+    """Mass properties, interfaces, surfaces, frequencies, kernel and provenance, a section each."""
     table = Table(title=Text(element.name), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
     sections = (
         _rigid(element),
         _interfaces(element.interfaces),
+        _surfaces(element),
         _channels(element),
         _frequencies(element.modes),
         _rotation(element.rotation),
@@ -55,6 +56,16 @@ def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
     yield "interfaces", f"{len(interfaces)}, positions [m] from the center of mass"
     for interface in interfaces:
         yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
+
+
+def _surfaces(element: Superelement) -> Iterator[Row]:
+    if element.surfaces is None:
+        return
+    patches, H = element.surfaces.patches, element.surfaces.H
+    yield "surfaces", f"{len(patches)}, a compliance of {len(H)} rows, {H.nbytes / 1e6:.3g} MB"
+    for patch in patches:
+        facets = f"{len(patch.facets)} {patch.facet_type} facets"
+        yield f"  {patch.name}", f"{patch.n} nodes, {facets}, {patch.area:.4g} m^2"
 
 
 def _channels(element: Superelement) -> Iterator[Row]:

@@ -26,7 +26,7 @@ Row = tuple[str, str]
 
 
 def report(survey: Survey) -> Table:
-    """Mesh, masses, interfaces, frequencies, cost and doubts, a section each."""
+    """Mesh, masses, interfaces, surfaces, frequencies, cost and doubts, a section each."""
     table = Table(title=Text(survey.body.name), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
@@ -34,6 +34,7 @@ def report(survey: Survey) -> Table:
         _mesh(survey),
         _rigid(survey),
         _attachments(survey),
+        _surfaces(survey),
         _channels(survey),
         _frequencies(survey),
         _rotation(survey),
@@ -47,11 +48,15 @@ def report(survey: Survey) -> Table:
 
 
 def scene(survey: Survey) -> Scene:
-    """The boundary of solids or the lines of beams, with interfaces, frames and masses."""
+    """The boundary of solids or the lines of beams, with interfaces, surfaces and masses."""
     mesh, facets = survey.mesh, survey.facets
     markers = [
         Marker(name, interface.X, interface.rotates)
         for name, interface in survey.interfaces.items()
+    ]
+    markers += [
+        Marker(patch.name, patch.X.mean(axis=0) + survey.structure.rigid.center, has_axes=False)
+        for patch in survey.touched
     ]
     masses = [
         Marker(f"{name} {survey.body.masses[name].mass:.3g} kg", attachment.X, has_axes=False)
@@ -105,6 +110,19 @@ def _channels(survey: Survey) -> Iterator[Row]:
     for sensor in channels.sensors:
         place = _line(sensor.X + survey.structure.rigid.center)
         yield f"sensor {sensor.name}", f"{sensor.kind} at {place} m"
+
+
+def _surfaces(survey: Survey) -> Iterator[Row]:
+    cost = survey.surfaces
+    if cost is None:
+        return
+    yield "surfaces", f"{len(survey.touched)}"
+    for patch in survey.touched:
+        count = f"{len(patch.facets)} {patch.facet_type} facets of {patch.area:.4g} m^2"
+        yield f"  {patch.name}", f"{count} with {patch.n} nodes"
+    size = f"{cost.columns} columns, {cost.compliance_bytes / 1e6:.3g} MB"
+    yield "  compliance", f"{size}, beside about {cost.modes:.2g} modes"
+    yield "to expect", f"about {cost.build.seconds:.2g} s and {cost.build.bytes / 1e9:.2g} GB"
 
 
 def _attachments(survey: Survey) -> Iterator[Row]:

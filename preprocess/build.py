@@ -11,12 +11,13 @@ from ..files import in_one_line
 from ..files.blas import one_blas_thread
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, Surfaces
+from ..superelement.checks import band_rest, rest_spread, spread_of
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
-from .errors import MemoryShortageError
+from .errors import MemoryShortageError, MethodError
 from .outline import outline_of
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
 from .progress import Stages, Warn, shown_stages, silent
@@ -133,11 +134,7 @@ def superelement_of(
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
             recovery = recover(body, source, structure, responses.shapes)
-    surfaces = None
-    if structure.surfaces is not None and responses.shapes is not None:
-        assert responses.surface_compliance is not None
-        phi = responses.shapes(structure.surfaces.rows)
-        surfaces = Surfaces(structure.surfaces.surfaces, phi, responses.surface_compliance)
+    surfaces = _surfaces(structure, responses)
     rotation = None
     if second is not None:
         with stages.stage("rotation"):
@@ -192,6 +189,23 @@ def _rotation(
     if modes is None or shapes is None or asked is None:
         return None
     return reduced_rotation(structure, second, modes, shapes, asked)
+
+
+def _surfaces(structure: Structure, responses: ImpulseResponses) -> Surfaces | None:
+    """The surfaces with their modes and compliance; `MethodError` where modes leave none of it."""
+    patches, H = structure.surfaces, responses.surface_compliance
+    if patches is None or H is None or responses.modes is None or responses.shapes is None:
+        return None
+    surfaces = Surfaces(patches.surfaces, responses.shapes(patches.rows), H)
+    band = responses.kernel.band or np.inf
+    rest = rest_spread(spread_of(band_rest(surfaces, responses.modes, band)))
+    if not rest.holds:
+        raise MethodError(
+            f"impulse.band = {band:g} Hz is too wide for this mesh: beside its modes the "
+            f"eigenvalues of the compliance of surfaces spread over {rest.found:.3g}, expected "
+            f"{rest.limit:g} at most: lower impulse.band, or refine the mesh"
+        )
+    return surfaces
 
 
 def _versions(solvers: list[str]) -> dict[str, str]:

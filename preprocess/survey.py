@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..superelement import Surface
 from ..superelement.validation import Array
 from .assembly.interfaces import Attachment
 from .assembly.source import MeshSource, Resolution, Share
@@ -27,7 +28,7 @@ from .responses.accuracy import solution_accuracy
 from .responses.impulse import band_of
 from .responses.modal import FULL_MODAL_UNKNOWNS
 from .responses.shifts import shifts
-from .solving.cost import Cost, krylov_cost
+from .solving.cost import Cost, krylov_cost, surface_cost
 from .solving.solver import costs
 from .sources.lines import LineSource
 from .sources.reading import read_mesh_source
@@ -49,12 +50,27 @@ class BuildCost:
         return "iterative" if self.solver == "factor" else "factor"
 
 
+@dataclass(frozen=True)
+class SurfaceCost:
+    """What a build with surfaces takes: `columns` of compliance, about that many modes, and all."""
+
+    columns: int
+    modes: float
+    build: Cost
+
+    @property
+    def compliance_bytes(self) -> float:
+        """The memory of the compliance of all nodes of surfaces."""
+        return 8.0 * self.columns**2
+
+
 @dataclass(frozen=True, eq=False)
 class Survey:
     """A body on its mesh: matrices, shares of its materials or sections, and what to expect of it.
 
     doubts: what is unlike any part, a line each. band [Hz]: up to where impulse responses are asked
-    to be right. cost: of bodies that take a while, None for others.
+    to be right. cost: of bodies that take a while, None for others; surfaces: what these take, None
+    without any.
     """
 
     body: Body
@@ -66,6 +82,7 @@ class Survey:
     doubts: tuple[str, ...]
     band: float
     cost: BuildCost | None
+    surfaces: SurfaceCost | None
 
     @property
     def mesh(self) -> Mesh:
@@ -95,13 +112,24 @@ class Survey:
     def boundary(self) -> Iterator[tuple[Array, IntArray]]:
         """Polygons (m, k, 3) and the interface (m,) of each, -1 for none, by type of facet.
 
-        Polygons turn outwards.
+        Surfaces are counted on behind the interfaces. Polygons turn outwards.
         """
+        frames = [frame.facets for frame in self.interfaces.values()]
+        owned = [*frames, *map(self._numbers, self.touched)]
         for polygons, facets in self.source.boundary():
             owner = np.full(len(facets), -1, dtype=np.int64)
-            for number, frame in enumerate(self.interfaces.values()):
-                owner[np.isin(facets, frame.facets)] = number
+            for number, chosen in enumerate(owned):
+                owner[np.isin(facets, chosen)] = number
             yield polygons, owner
+
+    @property
+    def touched(self) -> tuple[Surface, ...]:
+        """The surfaces that other bodies may touch."""
+        return () if self.structure.surfaces is None else self.structure.surfaces.surfaces
+
+    def _numbers(self, patch: Surface) -> IntArray:
+        assert self.facets is not None
+        return self.facets.matching(patch.facet_type, patch.nodes[patch.facets])
 
 
 def survey(body: Body, progress: bool = False) -> Survey:
@@ -135,13 +163,33 @@ def survey(body: Body, progress: bool = False) -> Survey:
         ),
         band=band,
         cost=_cost(body, structure),
+        surfaces=_surface_cost(structure, source, band),
     )
+
+
+def _surface_cost(structure: Structure, source: MeshSource, band: float) -> SurfaceCost | None:
+    """Of the modes up to `band` [Hz], about 9 V / w^3 + 2.4 S / w^2, with the shear wave w there.
+
+    Weyl's law for two shear waves and one of compression, and as of three fields with free ends.
+    Source: H. Weyl, Rend. Circ. Mat. Palermo 39 (1915) 1-49.
+    """
+    if structure.surfaces is None:
+        return None
+    wave, columns = source.resolution(band).wavelength, structure.surfaces.rows.shape[0]
+    volume = sum(share.extent for share in source.shares())
+    area = sum(
+        0.5 * float(np.linalg.norm(np.cross(p, np.roll(p, -1, axis=1)).sum(axis=1), axis=1).sum())
+        for p, _ in source.boundary()
+    )
+    modes = 9.0 * volume / wave**3 + 0.75 * np.pi * area / wave**2
+    return SurfaceCost(columns, modes, surface_cost(structure.n_u, structure.K.nnz, columns, modes))
 
 
 def _cost(body: Body, structure: Structure) -> BuildCost | None:
     """Time and memory of the method for large bodies; None for small ones and other methods."""
     impulse = body.impulse
-    if impulse.method in ("modal", "march") or structure.n_u <= FULL_MODAL_UNKNOWNS:
+    by_krylov = impulse.method not in ("modal", "march") and structure.surfaces is None
+    if not by_krylov or structure.n_u <= FULL_MODAL_UNKNOWNS:
         return None
     wide = structure.with_channels()
     shift, lower = shifts(wide, damping_of(body), band_of(body))

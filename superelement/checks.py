@@ -322,7 +322,7 @@ def rest_spread(found: float) -> Check:
     """The check of the spread of eigenvalues of what is left beside the modes of the band."""
     return Check(
         "static/surface",
-        "a static rest beside the modes of the band (else lower impulse.band, or refine the mesh)",
+        "a static rest of every load beside the modes of the band",
         "a largest over its smallest eigenvalue",
         found,
         MAX_REST_SPREAD,

@@ -43,6 +43,7 @@ class KrylovSpace:
     Without `at_once` the first one is as well, and the shift of the step is not used.
     Source: A. Ruhe, Linear Algebra Appl. 58 (1984) 391-405.
 
+    known (n_u, k): modes that the space holds from the start, and that loads need not find.
     solver: makes of a shift what solves with the matrix of that shift, to an accuracy relative in
     energy. Where it has a quick way, all blocks but the first are made in that way unless
     `refined`; `correct` then adds what they have missed. `MemoryShortageError` if a solver does not
@@ -58,6 +59,7 @@ class KrylovSpace:
         accuracy: float = 0.0,
         at_once: bool = True,
         refined: bool = True,
+        known: Array | None = None,
     ) -> None:
         self.structure, n_u = structure, structure.n_u
         self._solver, self._accuracy, self._highest = solver, accuracy, shift
@@ -86,8 +88,10 @@ class KrylovSpace:
             )
         self.basis = Basis(structure, min(n_u, self._most), in_file)
         self.basis.extend(structure.U)
-        self._ends = [RIGID_DOFS]
-        self._newest = RIGID_DOFS
+        if known is not None:
+            self.basis.extend(known)
+        self._ends = [self.basis.columns]
+        self._newest = self.basis.columns
         self._stiffness = np.zeros((0, 0))
 
     @property
@@ -116,7 +120,7 @@ class KrylovSpace:
         """
         # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two
         # neighbors alone, those with another S aside.
-        near = self._ends[max(0, self.blocks - 2)]
+        near = self._ends[max(0, self.blocks - 2)] if self.blocks > 1 else 0
         if not self.blocks:
             W = self._first
         else:

@@ -23,6 +23,8 @@ def ritz_modes(structure: Structure, V: Array, stiffness: Array) -> tuple[Array,
     is read. `MeshError` if a motion of V has no frequency. Source: W. Ritz, J. reine angew. Math.
     135 (1909).
     """
+    if not len(stiffness):
+        return np.zeros(0), np.zeros((0, 0))
     agreed = structure.processes.agreed
     squares, Q = agreed(lambda: eigh(stiffness, lower=False))
     low = squares < MIN_RESOLVED_EIGENVALUE * squares[-1]

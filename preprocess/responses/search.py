@@ -58,19 +58,34 @@ def krylov_modes(
     `watch` is called with the progress as text. `MethodError` if the tolerance asks for a larger
     space than `MAX_KRYLOV_VECTORS` or the memory allows.
     """
-    chain, agreed = slow_chain(structure), structure.processes.agreed
+    chain = slow_chain(structure)
     shift, lower = shifts(structure, damping, band)
     accuracy = solution_accuracy(tolerance, fields)
     space = KrylovSpace(
         structure, shift, lower, solver, accuracy, far_above(shift, band), refined=fields
     )
     unsolved = unsolved_error(accuracy, fields) if space.inexact else 0.0
+    return modes_of(space, chain, damping, band, tolerance, watch, fields, unsolved)
+
+
+def modes_of(
+    space: KrylovSpace,
+    chain: list[Array],
+    damping: Damping,
+    band: Band,
+    tolerance: float,
+    watch: Watch,
+    fields: bool = False,
+    unsolved: float = 0.0,
+) -> tuple[Modes, Shapes, float]:
+    """What `krylov_modes` finds, in a space that grows; chain: blocks for loads of rotation."""
+    agreed = space.structure.processes.agreed
     reserved = sum(W.shape[1] for W in chain)
     search = Search(space, damping, band, tolerance, unsolved, fields, reserved, watch)
     found = search.run()
     if chain:
         found = search.with_rotation(found, chain)
-    modes, Q = only(found.modes, ~found.weak), found.Q[:, ~found.weak]
+    modes, Q = _only(found.modes, ~found.weak), found.Q[:, ~found.weak]
     loads = space.with_rotation(modes, Q).phi if chain else modes.phi
     share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
     few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
@@ -203,11 +218,12 @@ class Search:
         """`MethodError` if the space has no room for more vectors."""
         space, band, room = self.space, self.band, self.space.room
         if space.basis.columns + more + self.reserved > room:
+            march = ", or use method march" if space.structure.surfaces is None else ""
             raise MethodError(
                 f"impulse.method krylov: an error of {self.tolerance:g} up to {band.limit:g} Hz "
                 f"takes more than the {room} vectors that there is time and memory for, found "
                 f"{max(found.error, found.lost):.1e} with {space.dimension}: raise "
-                "impulse.tolerance, lower impulse.band, or use method march"
+                f"impulse.tolerance, lower impulse.band{march}"
             )
 
 
@@ -222,7 +238,7 @@ def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) 
     return weak
 
 
-def only(modes: Modes, chosen: Any) -> Modes:
+def _only(modes: Modes, chosen: Any) -> Modes:
     return replace(
         modes, omega=modes.omega[chosen], zeta=modes.zeta[chosen], phi=modes.phi[:, chosen]
     )
@@ -232,7 +248,7 @@ def _lost(band: Band, modes: Modes, weak: Mask, fields: bool) -> float:
     """The error that leaving out the weak modes makes."""
     if not weak.any():
         return 0.0
-    few, turn = only(modes, ~weak), np.eye(len(modes.omega))[:, ~weak]
+    few, turn = _only(modes, ~weak), np.eye(len(modes.omega))[:, ~weak]
     error = band.error(few, modes)
     return max(error, band.field_error(few, modes, turn)) if fields else error
 

@@ -67,6 +67,8 @@ def static_solver(structure: Structure) -> Solve:
     solve = factorize(K[free][:, free], "the stiffness with six dofs held")
 
     def response(loads: Array) -> Array:
+        if not loads.size:
+            return loads
         u = np.zeros_like(loads)
         u[free] = solve(loads[free])
         return project(u, structure.U, structure.M)
@@ -81,15 +83,16 @@ def refined(structure: Structure, solve: Solve, f: Array) -> Array:
     return better
 
 
-def slow_chain(structure: Structure) -> list[Array]:
+def slow_chain(structure: Structure, solve: Solve | None = None) -> list[Array]:
     """P K^+ F, P K^+ M K^+ F, ...: up to `MAX_SLOW_BLOCKS` blocks (n_u, 6), for loads of rotation.
 
     In a space with k of them the changes d = F^T u of inertia under loads F s are right in their
     first 2 k terms in powers of the squared frequency, the first of which is the response at rest.
+    solve: that of `static_solver`, where there is one already.
     """
     if structure.inertia is None:
         return []
-    solve = static_solver(structure)
+    solve = solve or static_solver(structure)
     most = structure.U.shape[1] + MAX_SLOW_BLOCKS * structure.inertia_loads.shape[1]
     basis = Basis(structure, most)
     basis.extend(structure.U)

@@ -22,6 +22,8 @@ CYCLES_PER_DIGIT = 3.6
 ENTRY_BYTES = 12  # of a sparse matrix, with its row
 NUMBER_BYTES = 8
 EXPECTED_BLOCKS = 20  # of Krylov vectors: parts with 12 to 144 interface dofs took 16 to 23
+VECTORS_PER_MODE = 4.0
+"""of the space in which modes of a band are found: parts with 26 to 234 of them took 3 to 6"""
 WORK_BLOCKS = 8  # that a new one needs memory for beside the basis
 
 
@@ -105,6 +107,22 @@ def krylov_cost(
     return Cost(
         nnz / ASSEMBLY_RATE + solutions.seconds + products,
         2.0 * ENTRY_BYTES * nnz + solutions.bytes + basis_bytes(n_u, n_c, blocks) + kernels,
+    )
+
+
+def surface_cost(n_u: int, nnz: int, columns: int, modes: float) -> Cost:
+    """The cost of a build with surfaces of `columns` dofs and a number of modes in the band.
+
+    A factor of K, a solution for each column and for each of `VECTORS_PER_MODE` vectors of a mode,
+    and 4 n_u r^2 operations for r of these made orthogonal. Bytes are those of K and M, the factor,
+    the vectors, and the compliance, which is in memory three times with its file.
+    """
+    vectors = VECTORS_PER_MODE * modes
+    solutions = factor_cost(n_u, nnz, math.ceil(columns + vectors), 1)
+    products = 4.0 * n_u * vectors**2 / PRODUCT_RATE
+    return Cost(
+        nnz / ASSEMBLY_RATE + solutions.seconds + products,
+        2.0 * ENTRY_BYTES * nnz + solutions.bytes + NUMBER_BYTES * (n_u * vectors + 3 * columns**2),
     )
 
 

@@ -165,3 +165,23 @@ def test_a_part_is_drawn_with_its_interfaces(tmp_path):
     words = {text.get_text() for axes in picture.figure.axes for text in axes.texts}
     assert {"root", "tip"} <= words
     assert part._repr_html_().startswith("<p>&lt;Part &#x27;bar&#x27; on mesh in memory")
+
+
+def test_a_part_with_a_surface_is_written_as_a_body_file_that_makes_the_same(tmp_path):
+    mesh = skfem.MeshHex.init_tensor(
+        np.linspace(0.0, 1.0, 6), np.linspace(0.0, 0.3, 4), np.linspace(0.0, 0.2, 4)
+    )
+    part = du.Part(mesh, ALUMINIUM, name="block")
+    part.surface("face", du.plane(x=1.0))
+    assert repr(part).endswith("interfaces: none, surfaces: face>")
+    part.write(tmp_path / "block.toml", step=2e-5, band=2.5e3)
+    read = du.Part.read(tmp_path / "block.toml").superelement()
+    here = part.superelement(step=2e-5, band=2.5e3)
+    np.testing.assert_allclose(read.surfaces.H, here.surfaces.H, rtol=1e-9, atol=1e-22)
+    assert read.surface("face").facet_type == "quad"
+    with pytest.raises(preprocess.BodyError, match="surfaces: 'face' is there already"):
+        part.surface("face", "other")
+    with pytest.raises(preprocess.BodyError, match=r"surfaces: top: .* found node"):
+        part.surface("top", [0.0, 0.0, 0.0])
+    with pytest.raises(preprocess.BodyError, match=r"impulse\.band: surfaces need"):
+        part.superelement(step=2e-5)
