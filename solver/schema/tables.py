@@ -63,7 +63,7 @@ def tables_by_key(otherwise: type[Entry], **by_key: type[Entry]) -> Any:
     def kind_of(table: Any) -> str:
         return f"({next((key for key in by_key if key in table), '')})"
 
-    members = {"": otherwise, **by_key}
+    members: dict[str, Any] = {"": otherwise, **by_key}
     tables = tuple(Annotated[table_of(kind), Tag(f"({key})")] for key, kind in members.items())
     return Annotated[Union[tables], Discriminator(kind_of)]  # noqa: UP007 - of a tuple of types
 
