@@ -234,9 +234,11 @@ class Superelement:
                 f"surfaces: phi: expected {len(self.modes.omega)} columns, one per mode, "
                 f"found {surfaces.phi.shape[1]}"
             )
-        taken = {interface.name for interface in self.interfaces}
-        taken |= {pattern.name for pattern in self.patterns}
-        taken |= {sensor.name for sensor in self.sensors}
+        taken = {
+            *(interface.name for interface in self.interfaces),
+            *(pattern.name for pattern in self.patterns),
+            *(sensor.name for sensor in self.sensors),
+        }
         if both := [patch.name for patch in surfaces.patches if patch.name in taken]:
             raise SuperelementError(
                 "surfaces: expected other names than those of interfaces, patterns and sensors, "

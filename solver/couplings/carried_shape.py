@@ -48,7 +48,7 @@ class CarriedShape:
     if TYPE_CHECKING:  # fields of the contacts
 
         @property
-        def shape(self) -> str: ...
+        def shape(self) -> str | None: ...
         @property
         def axis(self) -> Array | None: ...
         @property
@@ -65,6 +65,7 @@ class CarriedShape:
 
     @property
     def kind(self) -> ShapeType:
+        assert self.shape is not None
         return SHAPE_TYPES[self.shape]
 
     def axes_of_shape(self, D: Array) -> tuple[Array, Array]:

@@ -8,17 +8,25 @@ See solver/step/surfaces.py.
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ...superelement import Surface
 from ..arrays import Array
+from ..errors import ModelError
 from ..schema.entry import Entry, entry, one_of
+from ..schema.paths import FilePath
 from ..schema.values import NO_ARRAY, Name, OptionalDirection, OptionalPoints, Pair, Positive
 from .carried_shape import SHAPE_TYPES, CarriedShape
+from .coupling import GROUND
+from .rigid_facets import read_facets
 
 GEOMETRIES = "smooth", "flat"
 """how facets of targets are read: with arcs between their corners, or as they are"""
+SHAPE_KEYS = "axis", "radius", "hollow", "length", "points"
+"""keys that belong to a shape"""
 
 
 class ShapeInFrame(NamedTuple):
@@ -54,14 +62,49 @@ class SurfaceContact(CarriedShape, Entry):
     hollow: bool = False
     length: Positive | None = None
     points: OptionalPoints = NO_ARRAY
-    facets: Any = None
+    facets: FilePath | None = None
     geometry: Annotated[str, one_of(GEOMETRIES)] = "smooth"
     layer: Positive | None = None
     margin: Positive | None = None
 
     def validate(self) -> None:
+        for place in self.surfaces[:1]:
+            if not all(place.partition(".")):
+                raise self.error(f"surfaces: expected BODY.SURFACE first, found {place!r}")
+        given = [key for key in ("shape", "facets") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise self.error("expected one of shape and facets, found both")
         if self.shape is not None:
             self.check_shape()
+        elif given_keys := [key for key in SHAPE_KEYS if self._has(key)]:
+            raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
+        if self.meets_surface:
+            if not self.target[1]:
+                raise self.error(
+                    f"expected shape or facets on {self.surfaces[1]!r}, or BODY.SURFACE, found none"
+                )
+            if self.target[0] == GROUND:
+                raise self.error(
+                    f"surfaces: expected shape or facets on {self.surfaces[1]!r}: the ground has "
+                    "no flexible surfaces"
+                )
+        if self.target[0] == self.body:
+            raise self.error(f"surfaces: expected two bodies, found {list(self.surfaces)}")
+        if self.facets is not None:
+            _ = self.rigid_surface  # errors of the file come before a run
+
+    def _has(self, key: str) -> bool:
+        value = getattr(self, key)
+        return value is not None and value is not False
+
+    @cached_property
+    def rigid_surface(self) -> Surface:
+        """The facets of the file, in the axes of the frame that carries them."""
+        assert self.facets is not None
+        try:
+            return read_facets(self.facets)
+        except ModelError as error:
+            raise self.error(f"facets: {error}") from error
 
     @property
     def between(self) -> tuple[str, str]:

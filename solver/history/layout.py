@@ -347,7 +347,10 @@ def _by_modes(
     body: FlexibleBody, h: float, scheme: GeneralizedAlpha, shares: Shares | None = None
 ) -> _History:
     element, second = body.superelement, body.rotation
-    modes = element.complete_modes(element.modes_for(h))
+    # Beyond their band the modes of bodies with surfaces are static: no step is too fine for them.
+    modes = element.modes if shares is not None else element.modes_for(h)
+    assert modes is not None
+    modes = element.complete_modes(modes)
     if second is not None:
         modes = second.complete(modes)
     quasi_static = np.zeros(len(modes.omega), dtype=bool)

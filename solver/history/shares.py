@@ -1,8 +1,8 @@
 """The modes of bodies with surfaces in contact: which of them move, and which follow their load.
 
-Above the band w_b, the smaller of theta / h and the band of the file, a mode is quasi-static, eta = load / omega^2; below it moves with the
-share W of its displacements and follows with the rest, so that waves above the band leave the
-modes and do not ring at its edge:
+Above the band w_b, the smaller of theta / h and the band of the file, a mode is quasi-static, eta =
+load / omega^2. Below it moves with the share W of its displacements and follows with the rest, so
+that waves above the band leave the modes and do not ring at its edge:
 
     W(s) = (1 - s^8) / (1 + (2 s)^4),    s = omega / w_b,    phi_moving = sqrt(W) phi
 

@@ -41,11 +41,11 @@ class RuleOfFacets(NamedTuple):
 
     @property
     def n_nodes(self) -> int:
-        return self.functions.shape[1]
+        return int(self.functions.shape[1])
 
     @property
     def n_corners(self) -> int:
-        return self.corner_functions.shape[1]
+        return int(self.corner_functions.shape[1])
 
 
 @cache

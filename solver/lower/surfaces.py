@@ -68,7 +68,7 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
         if contact.facets is not None:
             body = int(frames.arrays.body[number])
             smooth = contact.geometry == "smooth"
-            patches.append(Patch(contact.name, body, -1, contact.facets.surface, smooth))
+            patches.append(Patch(contact.name, body, -1, contact.rigid_surface, smooth))
         rigid = len(patches) - 1 if contact.facets is not None else -1
         target.append(keys.index(others[0]) if others else rigid)
     islands = _islands(contacts)

@@ -21,6 +21,7 @@ from ..couplings.motions import PrescribedDisplacement, PrescribedOrientation, P
 from ..couplings.motors import Motor
 from ..couplings.springs import Spring
 from ..couplings.stops import Stop
+from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError, about
 from ..laws.law import FORCE_LAWS
 from ..schema.entry import Entry, filled
@@ -33,6 +34,7 @@ from ..schema.tables import (
     table_in_file,
     table_of,
     table_of_kinds,
+    tables_by_key,
     tables_of,
     value_of,
 )
@@ -145,7 +147,7 @@ class _ModelFile(Table):
     loads: tuple[Any, ...] = ()
     springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
     motions: tuple[_MOTION, ...] = ()
-    contacts: tuple[table_of(Contact), ...] = ()  # type: ignore[valid-type]
+    contacts: tuple[tables_by_key(Contact, surfaces=SurfaceContact), ...] = ()  # type: ignore[valid-type]
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
     couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
@@ -222,6 +224,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
     settings = entry_of(Settings, simulation | {"output": file.output})
     if isinstance(settings.start, StartFrom):
         settings = replace(settings, start=settings.start.beside(path.parent))
+    contacts = value_of(file.contacts)
     return Model(
         bodies={
             name: _body(name, present_keys(body), path.parent, superelements)
@@ -231,7 +234,8 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
         loads=value_of(file.loads),
         springs=value_of(file.springs),
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
-        contacts=value_of(file.contacts),
+        contacts=[one for one in contacts if isinstance(one, Contact)],
+        surface_contacts=[one for one in contacts if isinstance(one, SurfaceContact)],
         stops=value_of(file.stops),
         couplers=value_of(file.couplers),
         motors=value_of(file.motors),
@@ -294,12 +298,18 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "ground": {"frames": _frames(model.ground_frames)} if model.ground_frames else {},
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
-            name: [table_in_file(entry) for entry in getattr(model, name)]
+            name: [table_in_file(entry) for entry in _entries(model, name)]
             for name in ARRAYS_OF_TABLES
         },
     }
     # Empty tables are left out: a file says only what is not the default.
     return {key: table for key, table in document.items() if table}
+
+
+def _entries(model: Model, group: str) -> tuple[Any, ...]:
+    """The entries of an array of tables."""
+    entries: tuple[Any, ...] = getattr(model, group)
+    return (*entries, *model.surface_contacts) if group == SurfaceContact.group else entries
 
 
 def _frames(frames: Mapping[str, Frame]) -> dict[str, Any]:

@@ -67,6 +67,7 @@ class Model(Entry):
         self._check_names()
         self._check_starts()
         self._check_couplings()
+        self._check_surfaces()
         self._check_loads()
         if self.settings.start == "equilibrium":
             self._check_equilibrium()
@@ -83,7 +84,9 @@ class Model(Entry):
     def _parts(self) -> dict[str, tuple[Any, ...]]:
         """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
-        return {kind: getattr(self, kind) for kind in kinds}
+        parts = {kind: getattr(self, kind) for kind in kinds}
+        parts["contacts"] = (*self.contacts, *self.surface_contacts)
+        return parts
 
     @property
     def flexible_bodies(self) -> dict[str, FlexibleBody]:
@@ -144,7 +147,7 @@ class Model(Entry):
         _check_frame_names("ground", self.ground_frames)
 
     @property
-    def _named(self) -> dict[str, tuple[Named, ...]]:
+    def _named(self) -> dict[str, tuple[Named | SurfaceContact, ...]]:
         """The entries that need a unique name, by kind."""
         return {
             "joint": self.joints,
@@ -154,6 +157,7 @@ class Model(Entry):
             "stop": self.stops,
             "motor": self.motors,
             "coupler": self.couplers,
+            "surface_contact": self.surface_contacts,
         }
 
     def _name(self) -> None:
@@ -174,13 +178,15 @@ class Model(Entry):
         for kind, couplings in groups.items():
             for coupling in couplings:
                 if not is_name(coupling.name):
+                    words = kind.replace("_", " ")
                     raise ModelError(
-                        f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}: "
+                        f"{kind}s: a {words} cannot be named {quoted(coupling.name)}: "
                         f"expected {FORM_OF_NAMES}"
                     )
                 if coupling.name in names:
                     raise ModelError(
-                        f"{', '.join(f'{kind}s' for kind in groups)}: expected different names, "
+                        f"{', '.join(f'{kind}s' for kind in groups if kind != 'surface_contact')}: "
+                        "expected different names, "
                         f"got {coupling.name!r} more than once"
                     )
                 names.add(coupling.name)
@@ -202,6 +208,32 @@ class Model(Entry):
             self._check_frame(coupling.owner, second)
             if first.partition(".")[0] == second.partition(".")[0]:
                 raise coupling.error(f"expected frames of two bodies, got {[first, second]}")
+
+    def _check_surfaces(self) -> None:
+        for contact in self.surface_contacts:
+            self._check_surface(contact, contact.body, contact.surface)
+            if contact.meets_surface:
+                self._check_surface(contact, *contact.target)
+            else:
+                self._check_frame(contact.owner, contact.carrier)
+
+    def _check_surface(self, contact: SurfaceContact, body: str, surface: str) -> None:
+        if body not in self.bodies:
+            known = ", ".join(self.bodies)
+            raise contact.error(f"surfaces: no body {body!r}; there are: {known}")
+        if body not in self.flexible_bodies:
+            raise contact.error(
+                f"surfaces: {body!r} is rigid: expected a flexible body; a rigid part meets the "
+                "surface of a flexible one as a shape or as facets of a file, which its frame "
+                "carries, or by a contact of balls"
+            )
+        found = self.flexible_bodies[body].superelement.surfaces
+        names = () if found is None else tuple(patch.name for patch in found.patches)
+        if surface not in names:
+            raise contact.error(
+                f"surfaces: no surface {surface!r} on {body!r}; it has: "
+                f"{', '.join(names) or 'none (write [surfaces.NAME] into its body file)'}"
+            )
 
     def _check_loads(self) -> None:
         for load in self.frame_loads:
@@ -268,7 +300,7 @@ def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any,
     counts: Counter[str] = Counter()
     named = []
     for item in entries:
-        prefix = item.type if kind in ("joint", "coupler") else kind
+        prefix = item.type if kind in ("joint", "coupler") else kind.removeprefix("surface_")
         counts[prefix] += 1
         if item.name == "":
             # Counting starts at the place of its kind, so that names stay the same when another

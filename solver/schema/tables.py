@@ -8,8 +8,8 @@ from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
+from pydantic import Discriminator, Tag, create_model
 from pydantic import Field as PydanticField
-from pydantic import create_model
 
 from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
 from ..errors import ModelError
@@ -54,6 +54,18 @@ def table_of_kinds(kinds: Kinds) -> Any:
     """The table in which a model file gives an entry of one of several kinds."""
     tables = tuple(table_of(kind) for kind in kinds.values())
     return Annotated[Union[tables], PydanticField(discriminator="type")]  # noqa: UP007 - of a tuple of types
+
+
+def tables_by_key(otherwise: type[Entry], **by_key: type[Entry]) -> Any:
+    """The table of an entry that is of the kind whose key it has, or else of another one."""
+
+    # In parentheses, by which messages know that they are no keys.
+    def kind_of(table: Any) -> str:
+        return f"({next((key for key in by_key if key in table), '')})"
+
+    members: dict[str, Any] = {"": otherwise, **by_key}
+    tables = tuple(Annotated[table_of(kind), Tag(f"({key})")] for key, kind in members.items())
+    return Annotated[Union[tables], Discriminator(kind_of)]  # noqa: UP007 - of a tuple of types
 
 
 def keys_of(kind: type[Entry]) -> dict[str, Any]:

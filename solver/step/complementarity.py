@@ -73,10 +73,10 @@ def _order_closed(n: int, active: Index, order: Index) -> int:
 
 @compiled
 def _is_factored(n: int, active: Index, factored: Index) -> bool:
+    changed = 0
     for i in range(n):
-        if factored[i] != active[i]:
-            return False
-    return True
+        changed += abs(factored[i] - active[i])
+    return changed == 0
 
 
 @compiled

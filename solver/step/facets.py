@@ -27,7 +27,7 @@ TRIANGLE, QUAD, TRIANGLE6, QUAD8, QUAD9 = 0, 1, 2, 3, 4
 
 @compiled
 def is_triangle(kind: int) -> bool:
-    return kind == TRIANGLE or kind == TRIANGLE6
+    return kind in (TRIANGLE, TRIANGLE6)
 
 
 @compiled
@@ -48,49 +48,49 @@ def facet_functions(kind: int, x: float, y: float, N: Array, dN: Array) -> int:
         dN[1, 3], dN[1, 4], dN[1, 5] = -4.0 * x, 4.0 * x, 4.0 * (z - y)
         return 6
     if kind == QUAD9:
-        for l in range(9):
-            a, b = _corner(l)
-            N[l] = _along(x, a) * _along(y, b)
-            dN[0, l] = _slope_along(x, a) * _along(y, b)
-            dN[1, l] = _along(x, a) * _slope_along(y, b)
+        for node in range(9):
+            a, b = _corner(node)
+            N[node] = _along(x, a) * _along(y, b)
+            dN[0, node] = _slope_along(x, a) * _along(y, b)
+            dN[1, node] = _along(x, a) * _slope_along(y, b)
         return 9
-    for l in range(4):
-        a, b = _corner(l)
+    for node in range(4):
+        a, b = _corner(node)
         p, q = 1.0 + a * x, 1.0 + b * y
         if kind == QUAD:
-            N[l] = 0.25 * p * q
-            dN[0, l], dN[1, l] = 0.25 * a * q, 0.25 * b * p
+            N[node] = 0.25 * p * q
+            dN[0, node], dN[1, node] = 0.25 * a * q, 0.25 * b * p
         else:
             rest = a * x + b * y - 1.0
-            N[l] = 0.25 * p * q * rest
-            dN[0, l] = 0.25 * a * q * (rest + p)
-            dN[1, l] = 0.25 * b * p * (rest + q)
+            N[node] = 0.25 * p * q * rest
+            dN[0, node] = 0.25 * a * q * (rest + p)
+            dN[1, node] = 0.25 * b * p * (rest + q)
     if kind == QUAD:
         return 4
-    for l in range(4, 8):
-        a, b = _corner(l)
+    for node in range(4, 8):
+        a, b = _corner(node)
         if a == 0.0:
-            N[l] = 0.5 * (1.0 - x * x) * (1.0 + b * y)
-            dN[0, l], dN[1, l] = -x * (1.0 + b * y), 0.5 * b * (1.0 - x * x)
+            N[node] = 0.5 * (1.0 - x * x) * (1.0 + b * y)
+            dN[0, node], dN[1, node] = -x * (1.0 + b * y), 0.5 * b * (1.0 - x * x)
         else:
-            N[l] = 0.5 * (1.0 + a * x) * (1.0 - y * y)
-            dN[0, l], dN[1, l] = 0.5 * a * (1.0 - y * y), -y * (1.0 + a * x)
+            N[node] = 0.5 * (1.0 + a * x) * (1.0 - y * y)
+            dN[0, node], dN[1, node] = 0.5 * a * (1.0 - y * y), -y * (1.0 + a * x)
     return 8
 
 
 @compiled
-def _corner(l: int) -> tuple[float, float]:
-    """Reference coordinates of node l of a quadrilateral: corners, midsides, center."""
-    if l == 8:
+def _corner(node: int) -> tuple[float, float]:
+    """Reference coordinates of a node of a quadrilateral: corners, midsides, center."""
+    if node == 8:
         return 0.0, 0.0
-    if l >= 4:
-        if l == 4:
+    if node >= 4:
+        if node == 4:
             return 0.0, -1.0
-        if l == 5:
+        if node == 5:
             return 1.0, 0.0
-        return (0.0, 1.0) if l == 6 else (-1.0, 0.0)
-    a = 1.0 if l == 1 or l == 2 else -1.0
-    return a, 1.0 if l >= 2 else -1.0
+        return (0.0, 1.0) if node == 6 else (-1.0, 0.0)
+    a = 1.0 if node in (1, 2) else -1.0
+    return a, 1.0 if node >= 2 else -1.0
 
 
 @compiled
@@ -134,11 +134,11 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
     """The nodes of facet f, with middle nodes on arcs where it is smooth, and its sphere."""
     n_corners, n_nodes = facets.corners[p], facets.n_nodes[p]
     center = (0.0, 0.0, 0.0)
-    for l in range(n_nodes):
-        x = row(place, facets.nodes[f, l])
+    for node in range(n_nodes):
+        x = row(place, facets.nodes[f, node])
         for c in range(3):
-            work.facet_place[f, l, c] = x[c]
-        if l < n_corners:
+            work.facet_place[f, node, c] = x[c]
+        if node < n_corners:
             center = add(center, scale(1.0 / n_corners, x))
     if facets.kind[p] != facets.shaped[p]:  # middle nodes that the mesh does not have
         for i in range(n_corners):
@@ -151,8 +151,8 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
                 work.facet_place[f, n_corners + i, c] = middle[c]
         n_nodes = 2 * n_corners
     radius = 0.0
-    for l in range(n_nodes):
-        apart = subtract(row(work.facet_place[f], l), center)
+    for node in range(n_nodes):
+        apart = subtract(row(work.facet_place[f], node), center)
         radius = max(radius, math.sqrt(dot(apart, apart)))
     for c in range(3):
         work.facet_center[f, c] = center[c]
@@ -280,11 +280,11 @@ def point_of_facet(
     """The point of facet f at (a, b), and both tangents."""
     n = facet_functions(facets.shaped[p], a, b, work.N, work.dN)
     x = t_a = t_b = (0.0, 0.0, 0.0)
-    for l in range(n):
-        node = row(work.facet_place[f], l)
-        x = add(x, scale(work.N[l], node))
-        t_a = add(t_a, scale(work.dN[0, l], node))
-        t_b = add(t_b, scale(work.dN[1, l], node))
+    for node in range(n):
+        place = row(work.facet_place[f], node)
+        x = add(x, scale(work.N[node], place))
+        t_a = add(t_a, scale(work.dN[0, node], place))
+        t_b = add(t_b, scale(work.dN[1, node], place))
     return x, t_a, t_b
 
 
@@ -296,6 +296,6 @@ def normal_of_facet(
     linear = TRIANGLE if is_triangle(facets.kind[p]) else QUAD
     n = facet_functions(linear, a, b, work.N, work.dN)
     normal = (0.0, 0.0, 0.0)
-    for l in range(n):
-        normal = add(normal, scale(work.N[l], row(work.corner_normal[f], l)))
+    for node in range(n):
+        normal = add(normal, scale(work.N[node], row(work.corner_normal[f], node)))
     return scale(1.0 / math.sqrt(dot(normal, normal)), normal)

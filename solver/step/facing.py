@@ -3,8 +3,8 @@
 At the points of a facet the gap is measured along the normal of the target; rows weigh it with dual
 functions psi = D M^-1 L of the corners, so that uniform pressures are exact. On facets that their
 target covers in part, psi is made anew over the covered points: M = sum w L L^T, D = diag(sum w L).
-Source: S. Hartmann, S. Brunssen, E. Ramm, B. Wohlmuth: Unilateral non-linear dynamic contact of thin-
-walled structures using a primal-dual active set strategy (2007); T. Cichosz, M. Bischoff:
+Source: S. Hartmann, S. Brunssen, E. Ramm, B. Wohlmuth: Unilateral non-linear dynamic contact of
+thin-walled structures using a primal-dual active set strategy (2007); T. Cichosz, M. Bischoff:
 Consistent treatment of boundaries with mortar contact formulations using dual Lagrange multipliers
 (2011).
 """
@@ -191,16 +191,16 @@ def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Works
     out.foot[q] = f
     # Middle nodes that the mesh does not have move with the corners of their edge.
     n_nodes, n_corners = facets.n_nodes[t], facets.corners[t]
-    for l in range(n_nodes):
-        out.foot_N[q, l] = out.N[l]
+    for m in range(n_nodes):
+        out.foot_N[q, m] = out.N[m]
     on_nodes = (0.0, 0.0, 0.0)
     if facets.kind[t] != facets.shaped[t]:
         for i in range(n_corners):
             half = 0.5 * out.N[n_corners + i]
             out.foot_N[q, i] += half
             out.foot_N[q, (i + 1) % n_corners] += half
-    for l in range(n_nodes):
-        on_nodes = add(on_nodes, scale(out.foot_N[q, l], row(out.facet_place[f], l)))
+    for m in range(n_nodes):
+        on_nodes = add(on_nodes, scale(out.foot_N[q, m], row(out.facet_place[f], m)))
     # The plane is seen from the nodes below: its offset is what the arcs rise above them.
     for x in range(3):
         out.plane[q, x] = n[x]
@@ -368,8 +368,8 @@ def _push_back(surfaces: Surfaces, c: int, i: int, q: int, n: Vector, work: Work
     """The nodes below point q join those of row i with -N n."""
     facets, out, t = surfaces.facets, work.surfaces, surfaces.contacts.target[c]
     start = surfaces.contacts.other[i]
-    for l in range(facets.n_nodes[t]):
-        k = facets.nodes[out.foot[q], l]
+    for m in range(facets.n_nodes[t]):
+        k = facets.nodes[out.foot[q], m]
         if out.listed[k] < 0:
             out.listed[k] = start + out.other_count[i]
             out.other_count[i] += 1
@@ -377,4 +377,4 @@ def _push_back(surfaces: Surfaces, c: int, i: int, q: int, n: Vector, work: Work
             for x in range(3):
                 out.other_gradient[out.listed[k], x] = 0.0
         for x in range(3):
-            out.other_gradient[out.listed[k], x] -= out.foot_N[q, l] * n[x]
+            out.other_gradient[out.listed[k], x] -= out.foot_N[q, m] * n[x]

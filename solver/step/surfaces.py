@@ -114,7 +114,8 @@ def add_surface_tangents(system: System, work: Workspace) -> None:
     if len(contacts.patch) == 0 or out.looks[0] < 0:
         return
     blocks = system.pattern.island_block
-    copy(out.closed, out.closed_in_matrix)
+    for i in range(len(out.closed)):
+        out.closed_in_matrix[i] = out.closed[i]
     for m in range(len(contacts.island_range) - 1):
         first = contacts.body_range[m]
         n = contacts.coordinates[m]
@@ -333,7 +334,7 @@ def _speed(system: System, p: int, state: State) -> float:
     patches = system.surfaces.patches
     b = patches.body[p]
     turning = _length(_spin(b, state)) * (patches.radius[p] + _length(row(patches.center, p)))
-    return _length(row(state.bodies.v, b)) + turning
+    return float(_length(row(state.bodies.v, b)) + turning)
 
 
 @compiled
@@ -466,7 +467,7 @@ def _closing_speed(system: System, c: int, state: State, work: Workspace) -> flo
         other, turning = row(state.bodies.v, t), rotate(state.bodies.R, t, _spin(t, state))
     other = add(other, cross(turning, arm))
     spins = _length(omega) + _length(turning)
-    return _length(subtract(velocity, other)) + spins * patches.radius[p]
+    return float(_length(subtract(velocity, other)) + spins * patches.radius[p])
 
 
 @compiled
