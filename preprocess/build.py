@@ -11,7 +11,7 @@ from ..files import in_one_line
 from ..files.blas import one_blas_thread
 from ..files.memory import available
 from ..superelement import Provenance, Rotation, Superelement, Surfaces
-from ..superelement.checks import band_rest, rest_spread, spread_of
+from ..superelement.checks import band_rest, eigenvalue_spread, rest_spread
 from .assembly.losses import lossy_parts
 from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
@@ -198,7 +198,7 @@ def _surfaces(structure: Structure, responses: ImpulseResponses) -> Surfaces | N
         return None
     surfaces = Surfaces(patches.surfaces, responses.shapes(patches.rows), H)
     band = responses.kernel.band or np.inf
-    rest = rest_spread(spread_of(band_rest(surfaces, responses.modes, band)))
+    rest = rest_spread(eigenvalue_spread(band_rest(surfaces, responses.modes, band)))
     if not rest.holds:
         raise MethodError(
             f"impulse.band = {band:g} Hz is too wide for this mesh: beside its modes the "

@@ -17,11 +17,11 @@ from .checks import (
     band_rest,
     decay,
     deviation,
+    eigenvalue_spread,
     negative_part,
     quick_checks,
     rest_spread,
     scale_of,
-    spread_of,
 )
 from .kernel import sample_kernel
 from .modes import Modes
@@ -77,7 +77,7 @@ def _checks(element: Superelement) -> Iterator[Check]:
     if element.surfaces is not None and element.modes is not None:
         yield _reciprocal("static/surface", element.surfaces.H[None])
         band = element.kernel.band or np.inf
-        yield rest_spread(spread_of(band_rest(element.surfaces, element.modes, band)))
+        yield rest_spread(eigenvalue_spread(band_rest(element.surfaces, element.modes, band)))
     # A body without interfaces has no kernel that could be wrong.
     if element.n_c:
         yield _free_of_rigid_motion(element)

@@ -308,7 +308,7 @@ def _of_surfaces(surfaces: Surfaces, modes: Modes, band: float) -> Iterator[Chec
     # The largest sum of a row is a bound of the largest eigenvalue.
     least = np.abs(rest).sum(axis=1).max(initial=0.0) / MAX_REST_SPREAD
     enough = _is_definite(rest - least * np.eye(len(rest)))
-    yield rest_spread(0.0 if enough else spread_of(rest))
+    yield rest_spread(0.0 if enough else eigenvalue_spread(rest))
 
 
 def band_rest(surfaces: Surfaces, modes: Modes, band: float) -> Array:
@@ -329,7 +329,7 @@ def rest_spread(found: float) -> Check:
     )
 
 
-def spread_of(A: Array) -> float:
+def eigenvalue_spread(A: Array) -> float:
     """The largest over the smallest eigenvalue, infinite for a matrix that is not definite."""
     values = np.linalg.eigvalsh(A)
     return float(values[-1] / values[0]) if values[0] > 0.0 else np.inf

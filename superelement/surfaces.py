@@ -134,6 +134,16 @@ class Surfaces:
     ------
     SuperelementError
         For equal names, and matrices of wrong shape or without symmetry.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> X = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    >>> up = np.tile([0.0, 0.0, 1.0], (3, 1))
+    >>> top = Surface("top", np.arange(3), X, np.array([[0, 1, 2]]), "triangle", up, area=0.5)
+    >>> surfaces = Surfaces((top,), phi=np.ones((9, 1)), H=2.0 * np.eye(9) + 1.0)
+    >>> surfaces.rows("top"), surfaces.F(omega=np.array([1.0]))[0, :2].tolist()
+    (slice(0, 9, None), [2.0, 0.0])
     """
 
     patches: tuple[Surface, ...]

@@ -120,7 +120,7 @@ class KrylovSpace:
         """
         # S^-1 M is symmetric in M: what it makes of a block has parts along that block and its two
         # neighbors alone, those with another S aside.
-        near = self._ends[max(0, self.blocks - 2)] if self.blocks > 1 else 0
+        near = self._ends[self.blocks - 2] if self.blocks > 1 else RIGID_DOFS
         if not self.blocks:
             W = self._first
         else:

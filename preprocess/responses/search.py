@@ -65,10 +65,10 @@ def krylov_modes(
         structure, shift, lower, solver, accuracy, far_above(shift, band), refined=fields
     )
     unsolved = unsolved_error(accuracy, fields) if space.inexact else 0.0
-    return modes_of(space, chain, damping, band, tolerance, watch, fields, unsolved)
+    return modes_in(space, chain, damping, band, tolerance, watch, fields, unsolved)
 
 
-def modes_of(
+def modes_in(
     space: KrylovSpace,
     chain: list[Array],
     damping: Damping,

@@ -15,13 +15,13 @@ from ..solving.factor import Solve
 from .band import Band
 from .krylov import KrylovSpace
 from .lanczos import modes_up_to
-from .search import Watch, modes_of
+from .search import Watch, modes_in
 from .shapes import Shapes
 from .static import refined, slow_chain, static_solver
 
 COLUMNS_AT_ONCE = 150  # of the compliance, lest solutions of all of them take memory too
 MAX_UNREFINED = 1e-10  # change of the compliance by a step of refinement, over its largest entry
-MAX_ASYMMETRY = 1e-8  # of the compliance, relative to its diagonal: its error
+MAX_COMPLIANCE_ASYMMETRY = 1e-8  # of the compliance, relative to its diagonal: its error
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,19 +52,19 @@ def surface_responses(
     factor of K, with six dofs held, serves all of it. Source: docs/theory.md, Surfaces.
     """
     assert structure.surfaces is not None
-    require_room(structure)
+    require_compliance_room(structure)
     solve = static_solver(structure)
     normal = modes_up_to(structure, solve, 2.0 * np.pi * band.limit, watch)
     space = KrylovSpace(
         structure, 0.0, solver=lambda *_: partial(refined, structure, solve), known=normal
     )
     chain = slow_chain(structure, solve)
-    modes, shapes, error = modes_of(space, chain, damping, band, tolerance, watch, fields)
+    modes, shapes, error = modes_in(space, chain, damping, band, tolerance, watch, fields)
     modes, shapes = _ascending(modes, shapes)
     return SurfaceResponses(modes, shapes, error, surface_compliance(structure, solve, watch))
 
 
-def require_room(structure: Structure) -> None:
+def require_compliance_room(structure: Structure) -> None:
     """`MemoryShortageError` where the compliance of the surfaces does not fit, or their file."""
     assert structure.surfaces is not None
     rows = structure.surfaces.rows.shape[0]
@@ -76,7 +76,7 @@ def require_room(structure: Structure) -> None:
 def surface_compliance(structure: Structure, solve: Solve, watch: Watch) -> Array:
     """P_S P K^+ P^T P_S^T (3 n, 3 n) [m/N], symmetric; solve: f -> P K^+ f.
 
-    `MeshError` where rounding leaves an asymmetry of more than `MAX_ASYMMETRY`.
+    `MeshError` where rounding leaves an asymmetry of more than `MAX_COMPLIANCE_ASYMMETRY`.
     """
     assert structure.surfaces is not None
     rows = structure.surfaces.rows
@@ -95,7 +95,7 @@ def surface_compliance(structure: Structure, solve: Solve, watch: Watch) -> Arra
             changes = np.abs(correction).max() > MAX_UNREFINED * np.abs(H[:, columns]).max()
     scale = np.sqrt(H.diagonal())
     found = float((np.abs(H - H.T) / np.outer(scale, scale)).max())
-    if not found <= MAX_ASYMMETRY:
+    if not found <= MAX_COMPLIANCE_ASYMMETRY:
         raise MeshError(
             "the static compliance of the surfaces is not determined: expected a symmetric matrix, "
             f"found differences of {found:.1e} of its diagonal: the body is far too slender for "
