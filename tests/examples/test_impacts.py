@@ -227,7 +227,6 @@ def test_the_box_comes_to_rest(example, tmp_path):
     assert found.blows > 20
 
 
-@pytest.mark.validation
 def test_a_housing_falls_on_its_feet(example, tmp_path):
     """Which checks energy, and the force against that of half the step."""
     found, checks = example("housing").main(tmp_path)
@@ -240,6 +239,7 @@ def test_a_housing_falls_on_its_feet(example, tmp_path):
     assert checks.pull == 0.0
 
 
+@pytest.mark.validation
 def test_the_hammer_on_the_bracket(example, tmp_path):
     """At a tenth of the speed the force comes nearer to that of small motions: what is left at 1
     m/s is of second order, the lug turns away under the hammer.
