@@ -7,6 +7,7 @@ The gap of each node of the surface, and its force, obey Signorini's law exactly
 See solver/step/surfaces.py.
 """
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -141,6 +142,15 @@ class SurfaceContact(CarriedShape, Entry):
     def carrier(self) -> str:
         """The frame that carries a shape or facets; of the bare ground its origin."""
         return self.surfaces[1]
+
+    @property
+    def size(self) -> float:
+        """The depth [m] at which a point is pushed out of its shape on the other side."""
+        if self.hollow:
+            return math.inf
+        if self.points is not None:
+            return 0.5 * float(np.ptp(self.points, axis=0).min())
+        return math.inf if self.radius is None else self.radius
 
     @property
     def axis_in_space(self) -> Array | None:
