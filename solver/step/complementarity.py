@@ -141,8 +141,8 @@ def _violations(n: int, q: Array, active: Index, lam: Array, y: Array) -> tuple[
         force, gap = max(force, abs(lam[i])), max(gap, abs(q[i]))
     count, last = 0, -1
     for i in range(n):
-        wrong = lam[i] < -ROUNDING * force if active[i] else y[i] < -ROUNDING * gap
-        if wrong:
+        right = lam[i] >= -ROUNDING * force if active[i] else y[i] >= -ROUNDING * gap
+        if not right:  # also where it is not a number
             count, last = count + 1, i
     return count, last
 
@@ -152,6 +152,6 @@ def _change_sides(n: int, active: Index, lam: Array, y: Array, only: int) -> Non
     """Close what penetrates and open what pulls, all of it or one row alone."""
     for i in range(n):
         if only < 0 or i == only:
-            wrong = lam[i] < 0.0 if active[i] else y[i] < 0.0
-            if wrong:
+            right = lam[i] >= 0.0 if active[i] else y[i] >= 0.0
+            if not right:
                 active[i] = 1 - active[i]
