@@ -4,8 +4,8 @@ W is symmetric and positive definite. Whole sets change sides at once (primal-du
 which ends within two or three iterations from the set of the last step; where the number of
 violations no longer falls, one row changes sides at a time, the last of those that violate, which
 ends for every such matrix. Rows that move alike, as those of two surfaces at their common border,
-leave W singular, and share their force. Source: J. J. Judice, F. M. Pires: A block principal pivoting algorithm
-for large-scale strictly monotone linear complementarity problems (1994).
+leave W singular, and share their force. Source: J. J. Judice, F. M. Pires: A block principal
+pivoting algorithm for large-scale strictly monotone linear complementarity problems (1994).
 """
 
 import math
