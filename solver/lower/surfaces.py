@@ -266,6 +266,15 @@ def _places_of_others(layout: SurfaceLayout) -> list[int]:
     return numbers
 
 
+NO_KEPT_NODES = {"n_kept_rows": 0, "n_kept_nodes": 0}
+
+
+def sizes_of_kept_nodes(surfaces: Surfaces) -> Mapping[str, int]:
+    """The dimensions of results of all rows and nodes of contacts of surfaces."""
+    nodes = np.diff(surfaces.patches.node)[surfaces.contacts.patch]
+    return {"n_kept_rows": int(surfaces.contacts.row[-1]), "n_kept_nodes": int(nodes.sum())}
+
+
 def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
     """The dimensions of the state and the scratch of contacts of surfaces."""
     contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies

@@ -18,6 +18,7 @@ from .observers import follow_coordinates
 from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
+from .surface_results import follow_surfaces, keep_velocities
 from .surfaces import (
     approach_surfaces,
     are_surfaces_closed,
@@ -88,6 +89,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
     keep_modes(system, state, work)
+    keep_velocities(system, state, work)
     await_contacts(system, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)
@@ -103,6 +105,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
     finish_surfaces(system, state, work)
+    follow_surfaces(system, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
