@@ -48,6 +48,8 @@ def report(results: Results) -> Iterator[str]:
         yield from _created(results.energy, solver["rule"])
     for name, events in results.events.items():
         yield f"contacts: {name}: {_contact(events, results.unit('events', name, 'peak'))}"
+    for name in results.surface_contacts:
+        yield f"contacts: {name}: {_surfaces(results, name)}"
     for name in results.motors:
         yield f"motor {name}: {_motor(results, name)}"
     yield from str(results.validity).splitlines()
@@ -67,6 +69,15 @@ def _contact(events: Events, unit: str) -> str:
     if events.still_closed.any():
         parts.append("closed at the end")
     return ", ".join(parts)
+
+
+def _surfaces(results: Results, name: str) -> str:
+    """How much of a surface was in contact at most, and how hard it was pressed."""
+    motion = results.surface_contact(name)
+    return (
+        f"up to {motion.closed_rows.max()} nodes closed, {motion.area.max():.4g} m^2, "
+        f"largest pressure {motion.largest_pressure.max():.4g} Pa"
+    )
 
 
 def _motor(results: Results, name: str) -> str:

@@ -21,7 +21,7 @@ from .quantity import Quantity
 from .space import Space
 
 RESULTS_FORMAT = "duhamel-results"
-RESULTS_VERSION = 8
+RESULTS_VERSION = 9
 # All that files since this version hold has the same meaning today.
 EARLIEST_VERSION = 3
 

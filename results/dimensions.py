@@ -51,6 +51,19 @@ DIMENSIONS = {
         Dimension("contact_axis", "normal and tangents of a contact", entries=("n", "t1", "t2")),
         Dimension("tangent_axis", "tangents of a contact", entries=("t1", "t2")),
         Dimension("contact", "contacts", "contacts"),
+        Dimension("surface_contact", "contacts of surfaces", "surface_contacts"),
+        Dimension(
+            "surface_row",
+            "rows of contacts of surfaces, as CONTACT.NODE: one for each corner of facets",
+            "surface_nodes",
+            ragged=True,
+        ),
+        Dimension(
+            "surface_node",
+            "nodes of the first surface of contacts of surfaces, as CONTACT.NODE",
+            "surface_nodes",
+            ragged=True,
+        ),
         Dimension("stop", "stops of joint coordinates", "stops"),
         Dimension("motor", "motors on joint coordinates", "motors"),
         Dimension(

@@ -6,13 +6,15 @@ show, says the same, and a test compares them.
 
 from collections.abc import Sequence
 from functools import partial
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..files.arrays import Array
 from .batches import FURTHER_WORKS, EventRows, balance, dissipated, numerical, time_of
-from .quantity import Quantity, Recorded, joined, quantity, vector
+from .errors import ResultsError
+from .quantity import Attribute, Quantity, Recorded, joined, quantity, vector
 from .rotations import rotate
 
 _energy = partial(quantity, "J", plot="")
@@ -416,6 +418,74 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
     )
     """(n,) integral of the normal force since t = 0 [N s], counted at every step; not in files
     before version 8"""
+
+
+class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_contact", plot="{}"):
+    """What happens between two surfaces, or a surface and a shape.
+
+    `pressure`, `gaps` and `displacement` are recorded where the model asks for `nodes`.
+    """
+
+    events: Events
+    """each time that it was closed, counted at every step"""
+    force: Array = vector("N", "force on the body of the first surface, in space", in_peaks=True)
+    """(n, 3) force on the body of the first surface, in space [N]"""
+    moment: Array = vector("N m", "moment of it about the center of mass of that body, in space")
+    """(n, 3) moment of it about the center of mass of that body, in space [N m]"""
+    normal_force: Array = quantity("N", "sum of the normal forces of all rows", plot="")
+    """(n,) sum of the normal forces of all rows [N]"""
+    center_of_pressure: Array = vector(
+        "m", "center of pressure, in space; no number where it is open"
+    )
+    """(n, 3) center of pressure, in space; no number where it is open [m]"""
+    area: Array = quantity("m2", "area in contact", section="Contacts")
+    """(n,) area in contact [m²]"""
+    closed_rows: Array = quantity("1", "number of rows that are closed", integer=True)
+    """(n,) number of rows that are closed"""
+    largest_pressure: Array = quantity(
+        "Pa", "largest pressure of a row", in_peaks=True, section="Contacts"
+    )
+    """(n,) largest pressure of a row [Pa]"""
+    gap: Array = quantity("m", "least gap; no number where it is far")
+    """(n,) least gap; no number where it is far [m]"""
+    impulse: Array = quantity("N s", "integral of the magnitude of the force since t = 0")
+    """(n,) integral of the magnitude of the force since t = 0 [N s], counted at every step"""
+    pressure: Array = quantity(
+        "Pa",
+        "pressure of each row",
+        name="pressure",
+        of="surface_row",
+        source="surface_row_pressure",
+    )
+    """(n, k) pressure of each row [Pa]"""
+    gaps: Array = quantity(
+        "m",
+        "gap of each row; no number where it is far",
+        name="gaps",
+        of="surface_row",
+        source="surface_row_gap",
+    )
+    """(n, k) gap of each row; no number where it is far [m]"""
+    displacement: Array = quantity(
+        "m",
+        "elastic displacement of each node of the first surface, in body axes; no number where it "
+        "is far",
+        "axis",
+        name="node_displacement",
+        of="surface_node",
+        source="surface_node_displacement",
+    )
+    """(n, k, 3) elastic displacement of each node of the first surface, in body axes; no number
+    where it is far [m]"""
+
+    def lacks(self, attribute: Attribute) -> NoReturn:
+        if any(one.of for one in attribute.quantities):
+            name = attribute.quantities[0].attribute
+            raise ResultsError(
+                f"{self._origin[0]}: {name} of rows and nodes was not recorded: write "
+                "nodes = true into [output]"
+            )
+        super().lacks(attribute)
 
 
 class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):

@@ -256,10 +256,11 @@ KINDS_BY_NAME = _of_records() | {
     ),
     "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGY_LABELS), axes=()),
     "normal_force": _recorded(
-        ("contact_force", "stop_force"),
+        ("contact_force", "stop_force", "surface_contact_normal_force"),
         lambda force: force if force.ndim == 1 else force[:, 0],
         axes=(),
-        description="along the normal on the second body, or on the coordinate",
+        description="along the normal on the second body, or on the coordinate; of surfaces the "
+        "sum of all rows",
         words=("normal force", "moment"),
         in_peaks=True,
         section="Contacts",

@@ -33,6 +33,7 @@ from .motion import (
     Solution,
     SpringMotion,
     StopMotion,
+    SurfaceContactMotion,
 )
 from .outlines import Outlines
 from .outlines import Source as OutlineSource
@@ -166,8 +167,13 @@ class Results:
 
     @property
     def contacts(self) -> tuple[str, ...]:
-        """The names of the recorded contacts."""
+        """The names of the recorded contacts of balls."""
         return self._names("contact")
+
+    @property
+    def surface_contacts(self) -> tuple[str, ...]:
+        """The names of the recorded contacts of surfaces."""
+        return self._names("surface_contact")
 
     @property
     def stops(self) -> tuple[str, ...]:
@@ -296,11 +302,24 @@ class Results:
         """The motion of a spring."""
         return self._of(SpringMotion, name)
 
-    def contact(self, name: str) -> ContactMotion | StopMotion:
-        """A contact or a stop."""
+    def contact(self, name: str) -> ContactMotion | StopMotion | SurfaceContactMotion:
+        """A contact, of a ball or of surfaces, or a stop."""
         if name in self.stops:
             return self.stop(name)
+        if name in self.surface_contacts:
+            return self.surface_contact(name)
         return self._of(ContactMotion, name, events=self.events.get(name))
+
+    def surface_contact(self, name: str) -> SurfaceContactMotion:
+        """A contact of surfaces."""
+        found = self._of(SurfaceContactMotion, name, events=self.events.get(name))
+        # Without entries they were not recorded: no surface is without nodes.
+        arrays = {
+            key: one
+            for key, one in vars(found).items()
+            if not isinstance(one, np.ndarray) or one.size
+        }
+        return SurfaceContactMotion(arrays, (self.name, self.contents.version))
 
     def stop(self, name: str) -> StopMotion:
         return self._of(StopMotion, name, events=self.events.get(name))

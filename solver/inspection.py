@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -133,7 +134,8 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         found, free = vibrations(initial), _free_frequencies(model)
         frequencies = None if found is None else found.frequencies
         damped = () if found is None else tuple(damped_motions(initial, found))
-        contacts, motors = tuple(_contacts(initial)), tuple(_motors(initial))
+        contacts = *_contacts(initial), *_surface_contacts(initial)
+        motors = tuple(_motors(initial))
         fast = tuple(_fast_servos(initial))
         trial = _try(initial)  # from here on the state is that after some steps
     return ModelCheck(
@@ -221,6 +223,24 @@ def _contacts(initial: InitialState) -> Iterator[str]:
         beyond, _ = penetration_of(couplings, row, float(coordinate[row]))
         gap = f"{0.0 - beyond:.4g} {'m' if lowered.measures_lengths[row] else 'rad'}"
         yield f"{coupling.owner}: {coupling.in_words}; gap at the start {gap}"
+
+
+def _surface_contacts(initial: InitialState) -> Iterator[str]:
+    """A line for each contact of surfaces, and one for each island that they are solved in."""
+    model, contacts = initial.lowered.model, initial.lowered.system.surfaces.contacts
+    rows = np.diff(contacts.row)
+    for contact, n in zip(model.surface_contacts, rows.tolist(), strict=True):
+        yield f"{contact.owner}: {contact.in_words}; {n} nodes may close"
+    for first, last in pairwise(contacts.island_range.tolist()):
+        own = contacts.island[first:last]
+        n = int(rows[own].sum())
+        names = ", ".join(model.surface_contacts[c].name for c in own.tolist())
+        # W and the factor of its closed part, as they would be with every node closed
+        size = initial.work.surfaces.W[0].nbytes + initial.work.surfaces.factor[0].nbytes
+        yield (
+            f"contacts solved together: {names}; up to {n} unknown forces, "
+            f"{_megabytes(size)} for their compliance"
+        )
 
 
 def _motors(initial: InitialState) -> Iterator[str]:

@@ -128,6 +128,7 @@ class Run:
             (results.motors, results.motor),
             (results.stops, results.stop),
             (results.contacts, results.contact),
+            (results.surface_contacts, results.surface_contact),
             (results.springs, results.spring),
             (results.joints, results.joint),
             (results.frames, results.frame),

@@ -59,7 +59,7 @@ def _panels(results: Results) -> list[list[Candidate]]:
     motion = [
         *travel,
         _of_one_unit(_scalars(results, "motor_torque", results.motors)),
-        _of_one_unit(_scalars(results, "normal_force", (*results.contacts, *results.stops))),
+        _of_one_unit(_scalars(results, "normal_force", _pressed(results))),
         _largest(_vectors(results, "elastic_displacement", results.interfaces), _peak),
         _readings(results),
         _speeds(results, travel),
@@ -75,6 +75,10 @@ def _panels(results: Results) -> list[list[Candidate]]:
     if not motion and not energies:
         raise QuantityError("there is nothing that is shown unasked: name quantities")
     return [*motion, *energies]
+
+
+def _pressed(results: Results) -> tuple[str, ...]:
+    return *results.contacts, *results.surface_contacts, *results.stops
 
 
 def _travel(results: Results) -> list[list[Candidate]]:

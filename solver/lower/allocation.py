@@ -6,7 +6,7 @@ from ..history.dyadic import Window
 from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
-from .surfaces import sizes_of_surfaces
+from .surfaces import NO_KEPT_NODES, sizes_of_kept_nodes, sizes_of_surfaces
 
 # contacts that can end before the time loop hands them over, and one more of each
 EVENT_CAPACITY = 256
@@ -17,6 +17,7 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
     pattern, elastic = system.pattern, system.elastic
     # Rows of a body's block below its six rigid ones are those of its active dofs.
     owner = pattern.body[pattern.force_block[:, 0]]
+    n_touching = len(system.couplings.contact) + len(system.surfaces.contacts.patch)
     force_rows = pattern.force_block[:, 3] * (pattern.size[owner] - 6)
     return {
         "n_b": len(system.bodies.mass),
@@ -30,9 +31,8 @@ def sizes_of(system: System, n_steps: int) -> dict[str, int]:
         "n_r": len(system.couplings.friction.first),
         "n_motors": len(system.couplings.laws.motors.row),
         "n_motor_signals": 3 * len(system.couplings.laws.motors.row),
-        "n_v": EVENT_CAPACITY + len(system.couplings.contact)
-        if len(system.couplings.contact)
-        else 0,
+        "n_touching": n_touching,
+        "n_v": EVENT_CAPACITY + n_touching if n_touching else 0,
         "n_l": len(system.loads.frame),
         "n_t": len(system.patterns.body),
         "n_y": len(system.loads.frame) + len(system.patterns.body),
@@ -82,10 +82,13 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
     work.couplings.elapsed[:] = np.inf
     state.observers.value[:] = lowered.observer_starts
     work.surfaces.looks[:] = -1
+    state.surfaces.gap[:] = np.nan
     work.surfaces.listed[:] = -1
     return state, work
 
 
 def make_output(lowered: LoweredModel, n: int) -> Output:
     """Arrays for n rows of output."""
-    return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), "n": n})
+    nodes = lowered.model.settings.output.nodes
+    kept = sizes_of_kept_nodes(lowered.system.surfaces) if nodes else NO_KEPT_NODES
+    return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), **kept, "n": n})

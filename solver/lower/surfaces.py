@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
 from .numbering import NumberedFrames, carrier_name
 from .patches import Patch, lay_out_facets, lay_out_patches, starts
+
+BEYOND = 0.5
+"""depth behind a patch, over its radius, at which a point is not below it but beyond it"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,14 +130,21 @@ def _lay_out_bodies(
     flexible = list(model.flexible_bodies)
     numbers = [flexible.index(name) for name in layout.owners]
     own = [[p for p in layout.patches if p.owner == s] for s in range(len(layout.owners))]
-    motions = [
-        _motion(model, name, patches, e, elastic, stepping)
-        for name, patches, e in zip(layout.owners, own, numbers, strict=True)
-    ]
-    each = range(len(motions))
-    phi, phi_start = packed([motion.phi for motion in motions], each)
-    T, T_start = packed([motion.T for motion in motions], each)
-    G, G_start = packed([motion.G for motion in motions], each)
+    # Many bodies may be of one superelement, whose compliance is large: alike ones share it.
+    made: dict[tuple[Any, ...], _Motion] = {}
+    motions = []
+    for name, patches, e in zip(layout.owners, own, numbers, strict=True):
+        active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+        surfaces = [patch.surface.name for patch in patches]
+        element = id(model.flexible_bodies[name].superelement)
+        key = (element, *surfaces, *(active - elastic.dof[e]).tolist())
+        if key not in made:
+            made[key] = _motion(model, name, patches, e, elastic, stepping)
+        motions.append(made[key])
+    owners = [id(motion) for motion in motions]
+    phi, phi_start = packed([motion.phi for motion in motions], owners)
+    T, T_start = packed([motion.T for motion in motions], owners)
+    G, G_start = packed([motion.G for motion in motions], owners)
     bodies = elastic.body[numbers].tolist()
     return SurfaceBodies(
         flexible=as_index(numbers),
@@ -220,6 +231,13 @@ def _lay_out_contacts(
         across=as_rows([shape.across for shape in shapes]),
         first=starts(len(shape.parameters) for shape in shapes),
         parameters=np.array([x for shape in shapes for x in shape.parameters], dtype=np.float64),
+        size=np.array(
+            [
+                contact.size if t < 0 else BEYOND * layout.patches[t].radius
+                for contact, t in zip(contacts, layout.target, strict=True)
+            ],
+            dtype=np.float64,
+        ),
         margin=np.array(
             [np.nan if c.margin is None else c.margin for c in contacts], dtype=np.float64
         ),
@@ -254,6 +272,15 @@ def _places_of_others(layout: SurfaceLayout) -> list[int]:
             target = layout.patches[t]
             numbers += [min(n * target.rule.n_nodes, target.surface.n) for n in points]
     return numbers
+
+
+NO_KEPT_NODES = {"n_kept_rows": 0, "n_kept_nodes": 0}
+
+
+def sizes_of_kept_nodes(surfaces: Surfaces) -> Mapping[str, int]:
+    """The dimensions of results of all rows and nodes of contacts of surfaces."""
+    nodes = np.diff(surfaces.patches.node)[surfaces.contacts.patch]
+    return {"n_kept_rows": int(surfaces.contacts.row[-1]), "n_kept_nodes": int(nodes.sum())}
 
 
 def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:

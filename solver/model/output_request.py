@@ -7,7 +7,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import Count, Words
 
-ALWAYS_RECORDED = "solver"
+ALWAYS_RECORDED, NODES = "solver", "surface_nodes"
 
 
 @entry(eq=True)
@@ -17,23 +17,28 @@ class OutputRequest(Entry):
     every: one step in so many, besides the first and the last; quantities: by default all. They
     are groups of results: "bodies", "frames/beam.tip", "joints/pivot", "springs", "energy",
     "momentum". Times and the iterations of Newton's method are recorded always.
-    Energies and momenta are summed over every step, recorded or not.
+    Energies and momenta are summed over every step, recorded or not. nodes: of contacts of
+    surfaces also the pressure, gap and displacement of every node, which are many numbers.
     """
 
     label = "output"
 
     every: Count = 1
     quantities: Words | None = None
+    nodes: bool = False
 
     def selects(self, group: str) -> bool:
         """True for a group such as "frames/beam.tip" that is recorded.
 
-        By its own name or by that of its kind, "frames".
+        By its own name or by that of its kind, "frames"; nodes of contacts by those of the contact.
         """
+        kind, _, owner = group.partition("/")
+        if kind == NODES:
+            return self.nodes and self.selects(f"surface_contacts/{owner}")
         return (
             group == ALWAYS_RECORDED
             or self.quantities is None
-            or not {group, group.partition("/")[0]}.isdisjoint(self.quantities)
+            or not {group, kind}.isdisjoint(self.quantities)
         )
 
     def check(self, groups: Iterable[str]) -> None:

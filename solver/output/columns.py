@@ -70,7 +70,24 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
     couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, "coupler")]
     axes["coupler"] = _axis(couplers, [not lengths[row] for row, _ in couplers])
-    return axes | _switching_axes(lowered) | _channel_axes(model)
+    return axes | _switching_axes(lowered) | _surface_axes(lowered) | _channel_axes(model)
+
+
+def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
+    """The entries of contacts of surfaces, of their rows and of the nodes of first surfaces."""
+    rows: list[str] = []
+    nodes: list[str] = []
+    for contact in lowered.model.surface_contacts:
+        element = lowered.model.flexible_bodies[contact.body].superelement
+        surface = element.surface(contact.surface)
+        rows += [f"{contact.name}.{i + 1}" for i in surface.corner_nodes.tolist()]
+        nodes += [f"{contact.name}.{i + 1}" for i in range(surface.n)]
+    names = [contact.name for contact in lowered.model.surface_contacts]
+    return {
+        "surface_contact": _axis(list(enumerate(names))),
+        "surface_row": _axis(list(enumerate(rows))),
+        "surface_node": _axis(list(enumerate(nodes))),
+    }
 
 
 def _channel_axes(model: Model) -> dict[str, Axis]:
@@ -97,6 +114,8 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
         return [bool(angular[couplings.range[j]]) for j, _ in owners]
 
     contacts, stops = _numbered(model, "contact"), _numbered(model, "stop")
+    # They are no couplings: their events follow those of these.
+    surfaces = [(-1, contact.name) for contact in model.surface_contacts]
     rubbing = [(j, n) for j, n in _numbered(model, "joint") if couplings.friction_of[j] >= 0]
     first = couplings.friction.first
     friction = [(int(couplings.friction_of[j]), f"{name}.friction") for j, name in rubbing]
@@ -108,7 +127,9 @@ def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:
             list(enumerate(motor.name for motor in model.motors)),
             angular[couplings.laws.motors.row].tolist(),
         ),
-        "event_owner": _axis([*contacts, *stops], turns([*contacts, *stops])),
+        "event_owner": _axis(
+            [*contacts, *stops, *surfaces], turns([*contacts, *stops]) + [False] * len(surfaces)
+        ),
     }
 
 

@@ -32,7 +32,10 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
     closed = np.flatnonzero(contacts.steps)
     # What only the opening tells, as the speed of separation, stays nan.
     values = np.full((len(closed), len(EVENT_COLUMNS)), np.nan)
-    stored = [spring_energy(couplings, int(couplings.contact[k]), state, work) for k in closed]
+    # Contacts of surfaces, the last ones, store nothing themselves.
+    stored = np.zeros(len(closed))
+    for at, k in enumerate(closed[closed < len(couplings.contact)].tolist()):
+        stored[at] = spring_energy(couplings, int(couplings.contact[k]), state, work)
     known: dict[str, Array | Index] = {
         "start": contacts.begin[closed],
         "end": np.full(len(closed), lowered.h * state.step[0]),
@@ -41,7 +44,7 @@ def unfinished(lowered: LoweredModel, state: State, work: Workspace) -> EventRow
         "impulse": contacts.impulse[closed],
         "closing_speed": contacts.closing_speed[closed],
         # The contact still stores energy, which is not lost: its work less that.
-        "dissipated": (contacts.work - contacts.work_done)[closed] - np.array(stored),
+        "dissipated": (contacts.work - contacts.work_done)[closed] - stored,
     }
     for name, column in known.items():
         values[:, EVENT_COLUMNS.index(name)] = column

@@ -158,7 +158,8 @@ def _force_noise(reading: Reading) -> Array:
     if not len(subjects.bearing) or extremes.moved[0] <= reading.rounding:
         return np.zeros(len(subjects.bearings))
     # A depth above zero says that a contact was closed, and so steps were short.
-    h = lowered.h if extremes.depth.any() else lowered.longest_step
+    touched = extremes.depth.any() or reading.state.contacts.total_impulse.any()
+    h = lowered.h if touched else lowered.longest_step
     of_step = system.scheme.beta / system.scheme.inertia_ratio
     compliance = _frame_compliances(lowered, of_step * h**2)
     rounding = NOISE_FACTOR * (1.0 - lowered.scheme.rho_inf) ** NOISE_POWER * of_step
@@ -256,7 +257,12 @@ _LIST = (
     Measure(
         "contact_steps",
         lambda s: s.of_couplings(s.contacts, "contact"),
-        lambda r: np.where(r.extremes.shortest > 0, r.extremes.shortest * r.subjects.rises, np.nan),
+        lambda r: r.shortest[: len(r.subjects.contacts)] * r.subjects.rises,
+    ),
+    Measure(
+        "surface_steps",
+        lambda s: [contact.name for contact in s.lowered.model.surface_contacts],
+        lambda r: r.shortest[len(r.subjects.contacts) :],
     ),
     Measure(
         "contact_arm",

@@ -62,6 +62,12 @@ class Reading:
         return np.sqrt(self.extremes.displacement[self.subjects.interfaces]) / self.subjects.sizes
 
     @cached_property
+    def shortest(self) -> Array:
+        """Steps of the shortest event of each contact; nan if it had none."""
+        shortest: Array = np.where(self.extremes.shortest > 0, self.extremes.shortest, np.nan)
+        return shortest
+
+    @cached_property
     def spin(self) -> Array:
         """The largest spins of flexible bodies [rad/s]."""
         return np.sqrt(self.extremes.spin[self.lowered.system.elastic.body])

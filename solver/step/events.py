@@ -45,11 +45,12 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
             arm = contact_arm(couplings.rows, i, work)
             state.extremes.arm[k] = max(state.extremes.arm[k], dot(arm, arm))
     else:
-        _end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
+        end_contact(state, k, crossing, max(-side * out.rate[i], 0.0))
 
 
 @compiled
-def _end_contact(state: State, k: int, end: float, opening_speed: float) -> None:
+def end_contact(state: State, k: int, end: float, opening_speed: float) -> None:
+    """Contact k as an event, which is over."""
     contacts = state.contacts
     n, closing_speed = contacts.n_events[0], contacts.closing_speed[k]
     event = contacts.event[n]

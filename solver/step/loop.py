@@ -18,11 +18,13 @@ from .observers import follow_coordinates
 from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
+from .surface_results import follow_surfaces, keep_velocities
 from .surfaces import (
     approach_surfaces,
     are_surfaces_closed,
     await_contacts,
     finish_surfaces,
+    follow_surface_passages,
     keep_modes,
 )
 from .system import Inputs, Run, State, System, Workspace
@@ -39,7 +41,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`);
     of two sizes of steps also where those of the other are due (`OTHER_SIZE`), and where the last,
     which does not count, closed a contact in flight. In the last, which does not count either, a
-    ball passed through a shape where `state.contacts.passed` says so.
+    ball or a surface passed what it should meet where `state.contacts.passed` says so.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -87,6 +89,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
     keep_modes(system, state, work)
+    keep_velocities(system, state, work)
     await_contacts(system, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)
@@ -102,10 +105,12 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
     finish_surfaces(system, state, work)
+    follow_surfaces(system, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
     follow_passages(system, state, work)
+    follow_surface_passages(system, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

@@ -17,6 +17,7 @@ from .readings import record_readings
 from .rotations import quaternion_exponential, quaternion_product
 from .rows import GAP
 from .second_order import record_second_order
+from .surface_results import record_surfaces
 from .system import Run, State, System, Workspace
 
 
@@ -57,6 +58,7 @@ def record(run: Run, k: int) -> None:
     copy(state.observers.rate, output.joint_rate[k])
     for w in range(len(system.couplings.switching)):
         _record_switching(run, system.couplings.switching[w], k)
+    record_surfaces(system, state, work, output, k)
     _record_motors(run, k)
     _record_energies(run, k)
     momentum(system.bodies, state, work, output.linear_momentum[k], output.angular_momentum[k])

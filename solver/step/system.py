@@ -143,6 +143,9 @@ DIMENSIONS_OF_RESULTS: dict[str, int | str] = {
     "pattern": "n_g",
     "sensor_channel": "n_z",
     "motor": "n_motors",
+    "surface_contact": "n_contacts",
+    "surface_row": "n_kept_rows",
+    "surface_node": "n_kept_nodes",
 }
 """dimensions of results as dimensions of a step"""
 

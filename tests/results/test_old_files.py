@@ -53,6 +53,7 @@ def write_old(path, version):
     without = {"contacts": 0, "stops": 0} if version < 4 else {}
     without |= {"second_order": 0} if version < 5 else {}
     without |= {"motors": 0, "couplers": 0, "sensors": 0} if version < 6 else {}
+    without |= {"surfaces": 0} if version < 9 else {}
     held = make_contents(**without)
     kept = tuple(one for one in held.quantities if one.since <= version)
     held = contents.Contents(held.axes, kept, held.superelements)
@@ -75,6 +76,7 @@ def everything(results):
         "spring": results.springs,
         "coupler": results.couplers,
         "contact": results.contacts,
+        "surface_contact": results.surface_contacts,
         "stop": results.stops,
         "pattern": results.patterns,
         "sensor": results.sensors,

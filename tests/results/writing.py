@@ -24,6 +24,7 @@ def make_contents(
     couplers=1,
     second_order=3,
     sensors=3,
+    surfaces=1,
     selects=lambda group: True,
 ):
     """Bodies with a frame each, joints with as many constraints as given, springs of one
@@ -41,6 +42,9 @@ def make_contents(
         "spring_component": [f"s{i}.1" for i in range(springs)],
         "joint_coordinate": [f"j{n_j - 1}.angle_{i}" for i in range(coordinates if joints else 0)],
         "contact": [f"k{k}" for k in range(contacts)],
+        "surface_contact": [f"c{k}" for k in range(surfaces)],
+        "surface_row": [f"c{k}.{i}" for k in range(surfaces) for i in (1, 3, 4)],
+        "surface_node": [f"c{k}.{i}" for k in range(surfaces) for i in (1, 2, 3, 4)],
         "stop": [f"e{k}" for k in range(stops)],
         "motor": [f"m{k}" for k in range(motors)],
         "coupler": [f"g{k}" for k in range(couplers)],
@@ -83,6 +87,9 @@ def make_output(contents, n, seed=0):
         "contact_axis": 3,
         "tangent_axis": 2,
         "contact": max(end("contact"), end("stop")),
+        "surface_contact": end("surface_contact"),
+        "surface_row": end("surface_row"),
+        "surface_node": end("surface_node"),
         "motor": end("motor"),
         "joint_with_friction": end("joint_with_friction"),
         "body": end("body"),

@@ -53,6 +53,7 @@ def sentence(results: Results) -> str:
         (results.joints, "joint"),
         (results.springs, "spring"),
         (results.contacts, "contact"),
+        (results.surface_contacts, "surface contact"),
         (results.stops, "stop"),
         (results.motors, "motor"),
         (results.couplers, "coupler"),

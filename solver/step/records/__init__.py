@@ -14,6 +14,7 @@ Dimensions:
     n_i         rows of all couplings; each has one multiplier
     n_terms     coordinates that couplers add to rows
     n_k         couplings that are contacts
+    n_touching  contacts whose events are counted: n_k, and contacts of surfaces
     n_w         couplings that switch: contacts, and those with friction
     n_v         events of contacts that fit into the state
     n_r         couplings with friction

@@ -36,27 +36,30 @@ class Friction(Struct):
 
 
 class ContactState(Struct):
-    """Contacts since they closed, and events: contacts that ended."""
+    """Contacts since they closed, and events: contacts that ended.
 
-    steps: Index = array("n_k")
+    Couplings that are contacts come first, then contacts of surfaces.
+    """
+
+    steps: Index = array("n_touching")
     """steps since the contact closed, 0: open"""
-    begin: Array = array("n_k")
+    begin: Array = array("n_touching")
     """time when the contact closed [s]"""
-    whole: Index = array("n_k")
+    whole: Index = array("n_touching")
     """1: the contact was open before, so that its event has a beginning"""
-    closing_speed: Array = array("n_k")
+    closing_speed: Array = array("n_touching")
     """rate of approach when the contact closed [m/s, rad/s]"""
-    peak: Array = array("n_k")
+    peak: Array = array("n_touching")
     """largest normal force since the contact closed [N, N m]"""
-    impulse: Array = array("n_k")
+    impulse: Array = array("n_touching")
     """impulse of the normal force since the contact closed [N s, N m s]"""
-    total_impulse: Array = array("n_k")
+    total_impulse: Array = array("n_touching")
     """impulse of the normal force since t = 0 [N s, N m s]"""
-    work: Array = array("n_k")
+    work: Array = array("n_touching")
     """work on the bodies until the contact closed [J]"""
-    work_done: Array = array("n_k")
+    work_done: Array = array("n_touching")
     """work on the bodies until now [J]"""
-    ended: Index = array("n_k")
+    ended: Index = array("n_touching")
     """number of events since the start of the run"""
     n_events: Index = array(1)
     """number of events in `event` that are not handed over yet"""
@@ -65,6 +68,7 @@ class ContactState(Struct):
     place: Array = array("n_k", 3)
     """center of the ball at the last step, in the axes of frame A [m]"""
     passed: Index = array(1)
-    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py)"""
+    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py);
+    contacts of surfaces follow those of couplings"""
     event: Array = array("n_v", 9)
     """start, end, steps, peak, impulse, closing and opening speed, restitution, dissipated"""

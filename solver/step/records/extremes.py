@@ -106,11 +106,11 @@ class ExtremeState(Struct):
     """largest energy that each spring or damper has taken [J]"""
     returned: Array = array("n_j")
     """largest part of `dissipated` that each spring or damper has given back [J]"""
-    shortest: Index = array("n_k")
+    shortest: Index = array("n_touching")
     """steps from closing to opening of the shortest event that does not graze, 0: none yet"""
-    shortest_peak: Array = array("n_k")
+    shortest_peak: Array = array("n_touching")
     """largest normal force of the shortest event [N, N m]"""
-    peak: Array = array("n_k")
+    peak: Array = array("n_touching")
     """largest normal force of all events [N, N m]"""
     depth: Array = array("n_k")
     """largest penetration [m, rad]"""

@@ -135,6 +135,8 @@ class SurfaceContacts(Struct):
     """first parameter of each shape"""
     parameters: Array = array("n_parameters")
     """parameters of the shapes"""
+    size: Array = array("n_contacts")
+    """depth at which a point is no longer below the target but beyond it [m]"""
     margin: Array = array("n_contacts")
     """gap below which a row may close in a step [m]; not a number: twice its motion in the step"""
     layer: Array = array("n_contacts")
@@ -192,6 +194,14 @@ class SurfaceState(Struct):
     """loads of contacts on the modes"""
     normal: Array = array("n_contact_rows", 3)
     """mean normal of each row, in body axes"""
+    normal_force: Array = array("n_contacts")
+    """sum of the forces of the rows of each contact [N]"""
+    total_force: Array = array("n_contacts", 3)
+    """force of each contact on the body of its rows, in space [N]"""
+    total_moment: Array = array("n_contacts", 3)
+    """moment of it about the center of mass of that body, in space [N m]"""
+    center: Array = array("n_contacts", 3)
+    """center of pressure of each contact that is closed, in space [m]"""
 
 
 class SurfaceWork(Struct):
@@ -203,6 +213,8 @@ class SurfaceWork(Struct):
     """1: the patch may meet the shape in this step"""
     awake: Index = array("n_bodies")
     """1: `free` is known for this step"""
+    v_n: Array = array("n_b", 6)
+    """velocities of bodies at the start of the step, as in `BodyState.v`"""
     eta_n: Array = array("n_m")
     """modal coordinates at the start of the step"""
     modal_load_n: Array = array("n_m")
