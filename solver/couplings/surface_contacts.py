@@ -79,8 +79,7 @@ class SurfaceContact(CarriedShape, Entry):
         if self.shape is not None:
             self.check_shape()
         elif given_keys := [key for key in SHAPE_KEYS if self._has(key)]:
-            if given_keys != ["hollow"] or self.facets is None:
-                raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
+            raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
         if self.meets_surface:
             if not self.target[1]:
                 raise self.error(
@@ -98,7 +97,9 @@ class SurfaceContact(CarriedShape, Entry):
 
     def _has(self, key: str) -> bool:
         value = getattr(self, key)
-        return value is not None and value is not False
+        # closed facets may be hollow too
+        is_of_facets = key == "hollow" and self.facets is not None
+        return value is not None and value is not False and not is_of_facets
 
     @cached_property
     def rigid_surface(self) -> Surface:
