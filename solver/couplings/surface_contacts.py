@@ -10,7 +10,6 @@ See solver/step/surfaces.py.
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -79,8 +78,8 @@ class SurfaceContact(CarriedShape, Entry):
             raise self.error("expected one of shape and facets, found both")
         if self.shape is not None:
             self.check_shape()
-        elif odd := [key for key in SHAPE_KEYS if self._has(key) and not self._turns(key)]:
-            raise self.error(f"{odd[0]}: belongs to a shape, found none")
+        elif given_keys := [key for key in SHAPE_KEYS if self._has(key)]:
+            raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
         if self.meets_surface:
             if not self.target[1]:
                 raise self.error(
@@ -96,13 +95,11 @@ class SurfaceContact(CarriedShape, Entry):
         if self.facets is not None:
             _ = self.rigid_surface  # errors of the file come before a run
 
-    def _turns(self, key: str) -> bool:
-        """Whether a key of shapes turns facets inside out."""
-        return key == "hollow" and self.facets is not None
-
     def _has(self, key: str) -> bool:
         value = getattr(self, key)
-        return value is not None and value is not False
+        # closed facets may be hollow too
+        is_of_facets = key == "hollow" and self.facets is not None
+        return value is not None and value is not False and not is_of_facets
 
     @cached_property
     def rigid_surface(self) -> Surface:
@@ -112,19 +109,6 @@ class SurfaceContact(CarriedShape, Entry):
             return read_facets(self.facets, self.hollow)
         except ModelError as error:
             raise self.error(f"facets: {error}") from error
-
-    @property
-    def in_words(self) -> str:
-        """What touches what, as `duhamel check` says it."""
-        if self.shape is not None:
-            met = f"a {'hollow ' if self.hollow else ''}{self.shape} on {self.carrier!r}"
-        elif self.facets is not None:
-            n = len(self.rigid_surface.facets)
-            met = f"{n} {self.geometry} facets of {Path(self.facets).name} on {self.carrier!r}"
-        else:
-            met = f"the {self.geometry} surface {self.target[1]!r} of {self.target[0]!r}"
-        layer = "" if self.layer is None else f", with a layer of {self.layer:g} N/m^3"
-        return f"surface {self.surface!r} of {self.body!r} on {met}{layer}"
 
     @property
     def between(self) -> tuple[str, str]:

@@ -21,6 +21,8 @@ PRECISION = 1e-13
 """change of reference coordinates that counts as none"""
 ON_EDGE = 1e-9
 """distance to an edge, in reference coordinates, that counts as on it"""
+INSIDE, RIM = -2, -1
+"""in place of a facet: none is behind an edge, for a point is inside or beyond the rim"""
 TRIANGLE, QUAD, TRIANGLE6, QUAD8, QUAD9 = 0, 1, 2, 3, 4
 """types of facets by number"""
 
@@ -171,7 +173,7 @@ def seek_facet(
     for t in range(n_near):
         f = work.near_facet[t]
         if dot(row(work.facet_normal, f), normal) < 0.0:
-            a, b, _ = _project(facets, p, f, x, work)
+            a, b, _, _ = _project(facets, p, f, x, work)
             there, _, _ = point_of_facet(facets, p, f, a, b, work)
             apart = subtract(x, there)
             distance = dot(apart, apart)
@@ -192,41 +194,45 @@ def walk_to_foot(
     before = -1
     a = b = 0.0
     for _ in range(MAX_WALK):
-        a, b, inside = _project(facets, p, f, x, work)
-        if inside:
-            return f, a, b, True
-        beyond = _facet_beyond(facets, p, f, a, b)
+        a, b, to_a, to_b = _project(facets, p, f, x, work)
+        beyond = _facet_beyond(facets, p, f, to_a, to_b)
         if beyond < 0 or beyond == before:
-            return f, a, b, beyond >= 0
+            return f, a, b, beyond != RIM
         before, f = f, beyond
     return f, a, b, True
 
 
 @compiled
 def _facet_beyond(facets: Facets, p: int, f: int, a: float, b: float) -> int:
-    """The facet behind the edge of facet f on which a point is, -1: the edge is on the rim."""
+    """The facet behind the edge of facet f behind which a point is farthest; `INSIDE`, `RIM`.
+
+    At the rim of the surface it may also be behind another edge, which leads on.
+    """
     if is_triangle(facets.kind[p]):
-        on = b <= ON_EDGE, a + b >= 1.0 - ON_EDGE, a <= ON_EDGE, False
+        excess = -b, a + b - 1.0, -a, 0.0
     else:
-        on = b <= ON_EDGE - 1.0, a >= 1.0 - ON_EDGE, b >= 1.0 - ON_EDGE, a <= ON_EDGE - 1.0
-    beyond = -1
+        excess = -1.0 - b, a - 1.0, b - 1.0, -1.0 - a
+    beyond, most = INSIDE, ON_EDGE
     for i in range(4):
-        if on[i]:
-            beyond = max(beyond, facets.beside[f, i])
-    return beyond
+        if excess[i] > ON_EDGE:
+            if facets.beside[f, i] < 0:
+                beyond = max(beyond, RIM)
+            elif excess[i] > most:
+                beyond, most = facets.beside[f, i], excess[i]
+    return int(beyond)
 
 
 @compiled
 def _project(
     facets: Facets, p: int, f: int, x: Vector, work: SurfaceWork
-) -> tuple[float, float, bool]:
-    """Reference coordinates of the point of facet f nearest to x; False where that is on an edge.
+) -> tuple[float, float, float, float]:
+    """Reference coordinates of the point of facet f nearest to x, and without regard to its edges.
 
     By Gauss's method with steps that end at the edges.
     """
     triangular = is_triangle(facets.kind[p])
     a = b = 1.0 / 3.0 if triangular else 0.0
-    inside = True
+    to_a, to_b = a, b
     for _ in range(MAX_ITERATIONS):
         there, t_a, t_b = point_of_facet(facets, p, f, a, b, work)
         apart = subtract(x, there)
@@ -234,24 +240,24 @@ def _project(
         r_a, r_b = dot(apart, t_a), dot(apart, t_b)
         det = aa * bb - ab * ab
         if not det > 0.0:
-            return a, b, False
+            return a, b, to_a, to_b
         to_a, to_b = a + (bb * r_a - ab * r_b) / det, b + (aa * r_b - ab * r_a) / det
-        new_a, new_b, inside = _clip(triangular, to_a, to_b, aa, ab, bb)
+        new_a, new_b = _clip(triangular, to_a, to_b, aa, ab, bb)
         change = max(abs(new_a - a), abs(new_b - b))
         a, b = new_a, new_b
         if change < PRECISION:
             break
-    return a, b, inside
+    return a, b, to_a, to_b
 
 
 @compiled
 def _clip(
     triangular: bool, a: float, b: float, aa: float, ab: float, bb: float
-) -> tuple[float, float, bool]:
-    """The point of the facet nearest to (a, b) in the metric of its tangents, and if that is it."""
+) -> tuple[float, float]:
+    """The point of the facet nearest to (a, b) in the metric of its tangents."""
     low, high = (0.0, 1.0) if triangular else (-1.0, 1.0)
     if a >= low and b >= low and (a + b <= 1.0 if triangular else a <= high and b <= high):
-        return a, b, True
+        return a, b
     best, best_a, best_b = math.inf, a, b
     for edge in range(3 if triangular else 4):
         if triangular and edge == 2:
@@ -270,7 +276,7 @@ def _clip(
         distance = aa * u * u + 2.0 * ab * u * v + bb * v * v
         if distance < best:
             best, best_a, best_b = distance, e_a, e_b
-    return best_a, best_b, False
+    return best_a, best_b
 
 
 @compiled
