@@ -78,7 +78,7 @@ class OutOfRangeError(RuntimeError):
 
 
 class MissedContactError(RuntimeError):
-    """A ball passed through the shape of its contact within one step.
+    """A ball, or a surface, passed through what its contact is with within one step.
 
     step, time [s]: where; contact: its name; model: the name of the model file.
     """

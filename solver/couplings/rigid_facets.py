@@ -12,8 +12,11 @@ SAME_POINT = 1e-9
 LINEAR_FACETS = "triangle", "quad"
 
 
-def read_facets(path: str) -> Surface:
-    """The surface in a file [m]; ModelError for one without triangles or quadrilaterals."""
+def read_facets(path: str, hollow: bool) -> Surface:
+    """The surface in a file [m]; ModelError for one without triangles or quadrilaterals.
+
+    Its facets act on the side of their normals. hollow: those of a closed surface point inward.
+    """
     import meshio  # slow to load, and few models have facets
 
     try:
@@ -39,6 +42,17 @@ def read_facets(path: str) -> Surface:
     if not (lengths > 0.0).all():
         n = int((lengths == 0.0).sum())
         raise ModelError(f"{Path(path).name}: expected facets with an area, found {n} without")
+    if _is_closed(Path(path).name, facets):
+        inward = _volume(X, facets) < 0.0
+        if inward and not hollow:
+            raise ModelError(
+                f"{Path(path).name}: expected normals that point out of its closed surface, or "
+                "hollow = true, found inward ones"
+            )
+        if hollow and not inward:
+            facets, doubled = facets[:, ::-1], -doubled
+    elif hollow:
+        raise ModelError(f"{Path(path).name}: hollow: expected a closed surface, found an open one")
     normals = np.zeros_like(X)
     for corner in facets.T:
         np.add.at(normals, corner, doubled)
@@ -48,6 +62,34 @@ def read_facets(path: str) -> Surface:
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     name = "".join(c if c.isalnum() else "-" for c in Path(path).stem) or "facets"
     return Surface(name, used, X, facets, kind, normals, float(0.5 * lengths.sum()))
+
+
+def _is_closed(name: str, facets: np.ndarray) -> bool:
+    """Whether two facets meet at each edge; ModelError where they turn their backs on each other.
+
+    Neighbors run along their common edge in opposite directions.
+    """
+    edges = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, first, counts = np.unique(edges, axis=0, return_index=True, return_counts=True)
+    if (counts > 1).any():
+        f = int(first[counts > 1].min()) // facets.shape[1]
+        raise ModelError(
+            f"{name}: expected normals on one side of the surface, found facet {f + 1} against a "
+            "neighbor's, or three facets on one edge"
+        )
+    return {*map(tuple, edges.tolist())} == {*map(tuple, edges[:, ::-1].tolist())}
+
+
+def _volume(points: np.ndarray, facets: np.ndarray) -> float:
+    """The volume inside a closed surface, negative where normals point inward."""
+    x = points[facets] - points.mean(axis=0)
+    last = facets.shape[1] - 1
+    return float(
+        sum(
+            np.einsum("fi,fi->", x[:, 0], np.cross(x[:, i], x[:, i + 1])) / 6.0
+            for i in range(1, last)
+        )
+    )
 
 
 def _merged(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

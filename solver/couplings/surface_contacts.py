@@ -7,6 +7,7 @@ The gap of each node of the surface, and its force, obey Signorini's law exactly
 See solver/step/surfaces.py.
 """
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -46,7 +47,8 @@ class SurfaceContact(CarriedShape, Entry):
     surfaces: the surface that has the rows, "BODY.SURFACE", the finer one or the softer body; and
     what it meets, "BODY.SURFACE", or the frame that carries a shape or facets, "BODY.FRAME" or
     "ground". shape, axis, radius, hollow, length, points: as of contacts of balls. facets: a file
-    of triangles in the axes of the frame [m], as "wall.stl". geometry: how the facets of the second
+    of triangles in the axes of the frame [m], as "wall.stl", which act on the side of their
+    normals; hollow: from within a closed surface. geometry: how the facets of the second
     surface are read, "smooth", as arcs between their corners, or "flat". layer [N/m^3]: stiffness
     per area of a layer between the surfaces, for flat against flat. margin [m]: nodes that are
     nearer are candidates of contact in a step, by default within twice their motion in it.
@@ -78,7 +80,8 @@ class SurfaceContact(CarriedShape, Entry):
         if self.shape is not None:
             self.check_shape()
         elif given_keys := [key for key in SHAPE_KEYS if self._has(key)]:
-            raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
+            if given_keys != ["hollow"] or self.facets is None:
+                raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
         if self.meets_surface:
             if not self.target[1]:
                 raise self.error(
@@ -103,7 +106,7 @@ class SurfaceContact(CarriedShape, Entry):
         """The facets of the file, in the axes of the frame that carries them."""
         assert self.facets is not None
         try:
-            return read_facets(self.facets)
+            return read_facets(self.facets, self.hollow)
         except ModelError as error:
             raise self.error(f"facets: {error}") from error
 
@@ -155,6 +158,15 @@ class SurfaceContact(CarriedShape, Entry):
     def carrier(self) -> str:
         """The frame that carries a shape or facets; of the bare ground its origin."""
         return self.surfaces[1]
+
+    @property
+    def size(self) -> float:
+        """The depth [m] at which a point is pushed out of its shape on the other side."""
+        if self.hollow:
+            return math.inf
+        if self.points is not None:
+            return 0.5 * float(np.ptp(self.points, axis=0).min())
+        return math.inf if self.radius is None else self.radius
 
     @property
     def axis_in_space(self) -> Array | None:

@@ -16,6 +16,9 @@ from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Sur
 from .numbering import NumberedFrames, carrier_name
 from .patches import Patch, lay_out_facets, lay_out_patches, starts
 
+BEYOND = 0.5
+"""depth behind a patch, over its radius, at which a point is not below it but beyond it"""
+
 
 @dataclass(frozen=True, eq=False)
 class SurfaceLayout:
@@ -220,6 +223,13 @@ def _lay_out_contacts(
         across=as_rows([shape.across for shape in shapes]),
         first=starts(len(shape.parameters) for shape in shapes),
         parameters=np.array([x for shape in shapes for x in shape.parameters], dtype=np.float64),
+        size=np.array(
+            [
+                contact.size if t < 0 else BEYOND * layout.patches[t].radius
+                for contact, t in zip(contacts, layout.target, strict=True)
+            ],
+            dtype=np.float64,
+        ),
         margin=np.array(
             [np.nan if c.margin is None else c.margin for c in contacts], dtype=np.float64
         ),

@@ -1,4 +1,4 @@
-"""The error of a run in which a ball passed through a shape within one step."""
+"""The error of a run in which a ball or a surface passed through its target within one step."""
 
 import numpy as np
 
@@ -11,13 +11,25 @@ PART_OF_SIZE = 0.1
 
 
 def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: int) -> None:
-    """`MissedContactError` where a ball passed through a shape in the last step.
+    """`MissedContactError` where a ball or a surface passed through its target in the last step.
 
     taken: the steps before that.
     """
     if not (passed := int(state.contacts.passed[0])):
         return
+    number = taken + 1
     couplings, V = lowered.system.couplings, work.frames.V
+    if (c := passed - 1 - len(couplings.contact)) >= 0:
+        size = float(lowered.system.surfaces.contacts.size[c])
+        raise MissedContactError(
+            number,
+            number * lowered.h,
+            lowered.model.surface_contacts[c].name,
+            f"within one step of {lowered.h:.3g} s its surface moves farther past its target than "
+            f"{size:.3g} m, the depth from which a point counts as beyond it, and may have passed "
+            "through: expected a smaller `contact_step` (or `step`) in [simulation]",
+            lowered.model.path,
+        )
     j = int(couplings.contact[passed - 1])
     row = int(couplings.range[j])
     f, g = int(couplings.rows.frame_a[row]), int(couplings.rows.frame_b[row])
@@ -33,7 +45,6 @@ def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: 
         reason += f"it moves by {speed * lowered.h:.3g} m there, and both together measure "
         reason += f"{size:.3g} m: "
     reason += f"expected a `contact_step` (or `step`) of {step:.2g} s or less in [simulation]"
-    number = taken + 1
     raise MissedContactError(
         number, number * lowered.h, lowered.coupling_names[j], reason, lowered.model.path
     )

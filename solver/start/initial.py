@@ -33,7 +33,7 @@ from .handover import hand_over, predecessor
 from .inertia import elastic_accelerations, interface_accelerance, inverse_inertia
 from .jacobian import constraint_jacobian, constraint_rows, row_rates
 from .matrices import solve
-from .penetration import check_depths, penetrations
+from .penetration import check_depths, check_depths_of_surfaces, penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .servos import check_holding, set_poles
@@ -124,13 +124,18 @@ def initialize(
         # Only now the pose is known in which rates must vanish.
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
+        closed = tuple(check_depths_of_surfaces(lowered, state, work))
     else:
         evaluate(lowered.system, state, work)
         check_depths(lowered, work)
         # Velocities after positions: the Jacobian is that of closed joints.
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
         _start_unloaded(lowered, state, work)
-        closed = (*penetrations(lowered, state, work), *lost_velocities(lowered, state))
+        closed = (
+            *penetrations(lowered, state, work),
+            *check_depths_of_surfaces(lowered, state, work),
+            *lost_velocities(lowered, state),
+        )
     _start_work(lowered.system, state, work)
     start_extremes(lowered.system, state, work)
     set_poles(lowered, state, work)

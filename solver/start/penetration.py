@@ -4,8 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..couplings.contacts import DEEPEST_START
 from ..lower.lower import LoweredModel
 from ..step.contacts import penetration_of
+from ..step.surfaces import measure_surfaces
 from ..step.system import State, Workspace
 
 # over the size of the model, or in rad: more than rounding
@@ -22,6 +24,35 @@ def check_depths(lowered: LoweredModel, work: Workspace) -> None:
     size = float(lowered.system.bodies.size)
     for j, depth in _closed(lowered, work):
         lowered.model.couplings[j].check_depth(depth, size)
+
+
+def check_depths_of_surfaces(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:
+    """A line for each contact of surfaces that starts closed; `ModelError` for a deep one.
+
+    For any one in equilibrium, which knows no such contact yet.
+    """
+    if not lowered.model.surface_contacts:
+        return
+    measure_surfaces(lowered.system, state, work)
+    surfaces, gaps = lowered.system.surfaces, state.surfaces.gap
+    size, rows = float(lowered.system.bodies.size), surfaces.contacts.row
+    for c, contact in enumerate(lowered.model.surface_contacts):
+        own = gaps[rows[c] : rows[c + 1]]
+        depth = float(-own[np.isfinite(own)].min(initial=0.0))
+        if depth <= NOTICEABLE_PENETRATION * size:
+            continue
+        if lowered.model.settings.start == "equilibrium":
+            raise contact.error(
+                f"closed in equilibrium, {depth:.6g} m deep: start = 'equilibrium', and linear "
+                "analysis, have no contacts of surfaces: expected one that is open there"
+            )
+        radius = float(surfaces.patches.radius[surfaces.contacts.patch[c]])
+        if depth > DEEPEST_START * radius:
+            raise contact.error(
+                f"starts {depth:.6g} m deep: expected at most a tenth of the radius of its "
+                f"surface, {DEEPEST_START * radius:.6g}"
+            )
+        yield f"{contact.owner}: starts {depth:.6g} m deep"
 
 
 def penetrations(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:

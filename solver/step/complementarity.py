@@ -3,8 +3,9 @@
 W is symmetric and positive definite. Whole sets change sides at once (primal-dual active sets),
 which ends within two or three iterations from the set of the last step; where the number of
 violations no longer falls, one row changes sides at a time, the last of those that violate, which
-ends for every such matrix. Source: J. J. Judice, F. M. Pires: A block principal pivoting algorithm
-for large-scale strictly monotone linear complementarity problems (1994).
+ends for every such matrix. Rows that move alike, as those of two surfaces at their common border,
+leave W singular, and share their force. Source: J. J. Judice, F. M. Pires: A block principal
+pivoting algorithm for large-scale strictly monotone linear complementarity problems (1994).
 """
 
 import math
@@ -14,7 +15,9 @@ from ..compiler.marks import compiled
 from .vectors import inner
 
 ROUNDING = 1e-13
-"""violation, over the largest force or gap, that counts as none"""
+"""violation, over the largest force, or gap without forces, that counts as none"""
+MIN_PIVOT = 1e-12
+"""pivot of a row, over its own compliance, below which others move it alike"""
 PATIENCE = 10
 """iterations without fewer violations before rows change sides one at a time"""
 MAX_CHANGES = 10000
@@ -49,7 +52,7 @@ def solve_complementarity(
             for i in range(n):
                 factored[i] = active[i]
         _solve_closed(n, count, W, q, active, factor, order, lam, y)
-        violations, last = _violations(n, active, lam, y)
+        violations, last = _violations(n, q, active, lam, y)
         if violations == 0:
             return count
         if violations < fewest:
@@ -110,9 +113,10 @@ def _factorize(count: int, W: Array, order: Index, factor: Array) -> bool:
         for b in range(a + 1):
             rest = W[order[a], order[b]] - inner(factor[a, :b], factor[b, :b])
             if a == b:
-                if not rest > 0.0:  # also where it is not a number
+                own = W[order[a], order[a]]
+                if not own > 0.0 or math.isnan(rest):
                     return False
-                factor[a, a] = math.sqrt(rest)
+                factor[a, a] = math.sqrt(max(rest, MIN_PIVOT * own))
             else:
                 factor[a, b] = rest / factor[b, b]
     return True
@@ -130,15 +134,15 @@ def solve_closed(count: int, factor: Array, x: Array) -> None:
 
 
 @compiled
-def _violations(n: int, active: Index, lam: Array, y: Array) -> tuple[int, int]:
+def _violations(n: int, q: Array, active: Index, lam: Array, y: Array) -> tuple[int, int]:
     """The number of closed rows that pull and of open ones that penetrate, and the last of them."""
     force, gap = 0.0, 0.0
     for i in range(n):
-        force, gap = max(force, abs(lam[i])), max(gap, abs(y[i]))
+        force, gap = max(force, abs(lam[i])), max(gap, abs(q[i]))
     count, last = 0, -1
     for i in range(n):
-        wrong = lam[i] < -ROUNDING * force if active[i] else y[i] < -ROUNDING * gap
-        if wrong:
+        right = lam[i] >= -ROUNDING * force if active[i] else y[i] >= -ROUNDING * gap
+        if not right:  # also where it is not a number
             count, last = count + 1, i
     return count, last
 
@@ -148,6 +152,6 @@ def _change_sides(n: int, active: Index, lam: Array, y: Array, only: int) -> Non
     """Close what penetrates and open what pulls, all of it or one row alone."""
     for i in range(n):
         if only < 0 or i == only:
-            wrong = lam[i] < 0.0 if active[i] else y[i] < 0.0
-            if wrong:
+            right = lam[i] >= 0.0 if active[i] else y[i] >= 0.0
+            if not right:
                 active[i] = 1 - active[i]

@@ -22,8 +22,6 @@ COVERED_PART = 1e-2
 """part of the area of a row below which it does not act"""
 MAX_CONDITION = 1e3
 """condition of M, scaled by its diagonal, above which psi is L"""
-DEEPEST = 0.5
-"""depth behind a target, over its radius, at which a point is not below it but beyond it"""
 FACETS_AROUND = 3.0
 """radii of a facet, beyond the margin, within which it is looked at"""
 
@@ -144,7 +142,7 @@ def _seek(
     facets, out, t = surfaces.facets, work.surfaces, surfaces.contacts.target[c]
     if t < 0:
         distance, _, _ = distance_from_shape(surfaces, c, center)
-        return 0, abs(distance)
+        return 0, distance
     least, farthest = math.inf, math.inf
     for m in range(facets.range[t], facets.range[t + 1]):
         apart = subtract(center, row(out.facet_center, m))
@@ -185,7 +183,7 @@ def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Works
     n = normal_of_facet(facets, t, f, a, b, out)
     foot, _, _ = point_of_facet(facets, t, f, a, b, out)
     gap = dot(n, subtract(y, foot))
-    if not covered or gap < -DEEPEST * surfaces.patches.radius[t]:
+    if not covered or gap < -surfaces.contacts.size[c]:
         out.foot[q] = -1
         return False
     out.foot[q] = f

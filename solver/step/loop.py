@@ -24,6 +24,7 @@ from .surfaces import (
     are_surfaces_closed,
     await_contacts,
     finish_surfaces,
+    follow_surfaces,
     keep_modes,
 )
 from .system import Inputs, Run, State, System, Workspace
@@ -40,7 +41,7 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     which `state.extremes.left` tells, or where the events of contacts are to be taken (`is_full`);
     of two sizes of steps also where those of the other are due (`OTHER_SIZE`), and where the last,
     which does not count, closed a contact in flight. In the last, which does not count either, a
-    ball passed through a shape where `state.contacts.passed` says so.
+    ball or a surface passed what it should meet where `state.contacts.passed` says so.
     """
     system, state, work, output = run.system, run.state, run.work, run.output
     n, residual = len(inputs.load), 0.0
@@ -109,6 +110,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
     follow_passages(system, state, work)
+    follow_surfaces(system, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

@@ -15,7 +15,7 @@ Newton's method converges. Source: docs/theory.md, Contact of surfaces.
 import math
 
 from ..arrays import Array
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .complementarity import solve_closed, solve_complementarity
 from .facing import (
@@ -244,6 +244,53 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
     state.energies.residual[0] = 0.5 * total
 
 
+@entry
+def measure_surfaces(system: System, state: State, work: Workspace) -> None:
+    """The gaps of all rows before any of them acts: their bodies are where frames and modes say."""
+    surfaces, out = system.surfaces, work.surfaces
+    for s in range(len(surfaces.bodies.flexible)):
+        _wake(system, s, state, work)
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                out.base[k, x], out.by_load[k, x] = out.free[k, x], 0.0
+        out.awake[s] = 0
+    for c in range(len(surfaces.contacts.patch)):
+        place_nodes(system, c, state, work)
+        look_at_target(system, c, math.inf, work)
+        set_row_gaps(surfaces, c, state, work)
+
+
+@compiled
+def follow_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Note the first contact whose patch may have passed its target within the step.
+
+    It moves by more than the depth at which points are beyond the target, past the sphere around
+    this; so `state.contacts.passed` counts it after the contacts of balls.
+    """
+    contacts, h = system.surfaces.contacts, system.scheme.h
+    for c in range(len(contacts.patch)):
+        if not work.surfaces.near[c] or state.contacts.passed[0]:
+            continue
+        way = h * _closing_speed(system, c, state, work)
+        if way > contacts.size[c] and _meets(system, c, way, state, work):
+            state.contacts.passed[0] = len(system.couplings.contact) + c + 1
+
+
+@compiled
+def _meets(system: System, c: int, way: float, state: State, work: Workspace) -> bool:
+    """Whether the sphere around the patch of contact c has met its target on its way to here."""
+    reach = _reach(system, system.surfaces.contacts.patch[c], state)
+    center = _center(system, system.surfaces.contacts.patch[c], state)
+    back = scale(-system.scheme.h, _closing_velocity(system, c, center, state, work))
+    s = 0.0
+    while s <= 1.0:
+        gap = _distance(system, c, add(center, scale(s, back)), state, work) - reach
+        if gap <= 0.0:
+            return True
+        s += max(gap, system.surfaces.contacts.size[c]) / way
+    return False
+
+
 @compiled
 def _find_near(system: System, state: State, work: Workspace) -> None:
     """The contacts that may close in this step, and the free motion of their bodies."""
@@ -285,27 +332,34 @@ def _wake(system: System, s: int, state: State, work: Workspace) -> None:
 @compiled
 def _is_near(system: System, c: int, h: float, state: State, work: Workspace) -> bool:
     """Whether the sphere around a patch, as large as it may have become, may meet its target."""
-    surfaces, contacts = system.surfaces, system.surfaces.contacts
-    p, t, f = contacts.patch[c], contacts.target[c], contacts.frame[c]
+    contacts, V = system.surfaces.contacts, work.frames.V
+    p, f = contacts.patch[c], contacts.frame[c]
     center = _center(system, p, state)
     reach, speed = _reach(system, p, state), _speed(system, p, state)
-    delta = subtract(center, target_origin(system, c, state, work))
     if f >= 0:
-        V = work.frames.V
+        delta = subtract(center, target_origin(system, c, state, work))
         speed += _length((V[f, 0], V[f, 1], V[f, 2]))
         speed += _length((V[f, 3], V[f, 4], V[f, 5])) * _length(delta)
-    if t < 0:
-        y = target_axes(system, c, delta, True, state, work)
-        gap, _, _ = distance_from_shape(surfaces, c, y)
     else:
-        place = row(surfaces.patches.center, t)
-        gap = _length(subtract(target_axes(system, c, delta, True, state, work), place))
-        if f >= 0:
-            gap -= surfaces.patches.radius[t]
-        else:
-            gap -= _reach(system, t, state)
-            speed += _speed(system, t, state)
-    return gap < reach + STEPS_AHEAD * h * speed
+        speed += _speed(system, contacts.target[c], state)
+    return _distance(system, c, center, state, work) < reach + STEPS_AHEAD * h * speed
+
+
+@compiled
+def _distance(system: System, c: int, center: Vector, state: State, work: Workspace) -> float:
+    """The distance of a point in space from the shape of contact c, or the sphere around its
+    target.
+    """
+    surfaces, t = system.surfaces, system.surfaces.contacts.target[c]
+    delta = subtract(center, target_origin(system, c, state, work))
+    y = target_axes(system, c, delta, True, state, work)
+    if t < 0:
+        gap, _, _ = distance_from_shape(surfaces, c, y)
+        return float(gap)
+    apart = _length(subtract(y, row(surfaces.patches.center, t)))
+    if surfaces.contacts.frame[c] >= 0:
+        return float(apart - surfaces.patches.radius[t])
+    return float(apart - _reach(system, t, state))
 
 
 @compiled
@@ -318,13 +372,14 @@ def _center(system: System, p: int, state: State) -> Vector:
 
 @compiled
 def _reach(system: System, p: int, state: State) -> float:
-    """The radius of patch p, with the most that the energy of its body can move a node."""
+    """The radius of patch p, with the most that the energy of its modes can move a node."""
     surfaces, modes = system.surfaces, system.elastic.modes
     s = surfaces.patches.owner[p]
     e = surfaces.bodies.flexible[s]
     energy = 0.0
     for i in range(modes.range[e], modes.range[e + 1]):
         energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
+        energy += 0.5 * state.modes.rate[i] ** 2
     return float(surfaces.patches.radius[p] + surfaces.bodies.reach[s] * math.sqrt(energy))
 
 
@@ -453,21 +508,36 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
 @compiled
 def _closing_speed(system: System, c: int, state: State, work: Workspace) -> float:
     """A bound of the speed at which the patch of contact c and its target move as rigid bodies."""
-    surfaces, V, f = system.surfaces, work.frames.V, system.surfaces.contacts.frame[c]
-    patches, p = surfaces.patches, surfaces.contacts.patch[c]
-    center = _center(system, p, state)
-    b = patches.body[p]
+    patches, p = system.surfaces.patches, system.surfaces.contacts.patch[c]
+    velocity = _closing_velocity(system, c, _center(system, p, state), state, work)
+    _, turning = _motion_of_target(system, c, state, work)
+    spins = _length(_spin(patches.body[p], state)) + _length(turning)
+    return float(_length(velocity) + spins * patches.radius[p])
+
+
+@compiled
+def _closing_velocity(
+    system: System, c: int, center: Vector, state: State, work: Workspace
+) -> Vector:
+    """The velocity of the center of the patch of contact c against its target, as rigid bodies."""
+    b = system.surfaces.patches.body[system.surfaces.contacts.patch[c]]
     omega = rotate(state.bodies.R, b, _spin(b, state))
     velocity = add(row(state.bodies.v, b), cross(omega, subtract(center, row(state.bodies.x, b))))
+    other, turning = _motion_of_target(system, c, state, work)
     arm = subtract(center, target_origin(system, c, state, work))
+    return subtract(velocity, add(other, cross(turning, arm)))
+
+
+@compiled
+def _motion_of_target(
+    system: System, c: int, state: State, work: Workspace
+) -> tuple[Vector, Vector]:
+    """Velocity of the origin of the axes of the target of contact c, and its spin, in space."""
+    surfaces, V, f = system.surfaces, work.frames.V, system.surfaces.contacts.frame[c]
     if f >= 0:
-        other, turning = (V[f, 0], V[f, 1], V[f, 2]), (V[f, 3], V[f, 4], V[f, 5])
-    else:
-        t = patches.body[surfaces.contacts.target[c]]
-        other, turning = row(state.bodies.v, t), rotate(state.bodies.R, t, _spin(t, state))
-    other = add(other, cross(turning, arm))
-    spins = _length(omega) + _length(turning)
-    return float(_length(subtract(velocity, other)) + spins * patches.radius[p])
+        return (V[f, 0], V[f, 1], V[f, 2]), (V[f, 3], V[f, 4], V[f, 5])
+    t = surfaces.patches.body[surfaces.contacts.target[c]]
+    return row(state.bodies.v, t), rotate(state.bodies.R, t, _spin(t, state))
 
 
 @compiled

@@ -68,6 +68,7 @@ class ContactState(Struct):
     place: Array = array("n_k", 3)
     """center of the ball at the last step, in the axes of frame A [m]"""
     passed: Index = array(1)
-    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py)"""
+    """1 + the first contact whose ball passed unnoticed in the last step, 0: none (passages.py);
+    contacts of surfaces follow those of couplings"""
     event: Array = array("n_v", 9)
     """start, end, steps, peak, impulse, closing and opening speed, restitution, dissipated"""

@@ -135,6 +135,8 @@ class SurfaceContacts(Struct):
     """first parameter of each shape"""
     parameters: Array = array("n_parameters")
     """parameters of the shapes"""
+    size: Array = array("n_contacts")
+    """depth at which a point is no longer below the target but beyond it [m]"""
     margin: Array = array("n_contacts")
     """gap below which a row may close in a step [m]; not a number: twice its motion in the step"""
     layer: Array = array("n_contacts")
