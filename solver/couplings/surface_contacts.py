@@ -79,9 +79,8 @@ class SurfaceContact(CarriedShape, Entry):
             raise self.error("expected one of shape and facets, found both")
         if self.shape is not None:
             self.check_shape()
-        elif given_keys := [key for key in SHAPE_KEYS if self._has(key)]:
-            if given_keys != ["hollow"] or self.facets is None:
-                raise self.error(f"{given_keys[0]}: belongs to a shape, found none")
+        elif odd := [key for key in SHAPE_KEYS if self._has(key) and not self._turns(key)]:
+            raise self.error(f"{odd[0]}: belongs to a shape, found none")
         if self.meets_surface:
             if not self.target[1]:
                 raise self.error(
@@ -96,6 +95,10 @@ class SurfaceContact(CarriedShape, Entry):
             raise self.error(f"surfaces: expected two bodies, found {list(self.surfaces)}")
         if self.facets is not None:
             _ = self.rigid_surface  # errors of the file come before a run
+
+    def _turns(self, key: str) -> bool:
+        """Whether a key of shapes turns facets inside out."""
+        return key == "hollow" and self.facets is not None
 
     def _has(self, key: str) -> bool:
         value = getattr(self, key)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -129,14 +130,21 @@ def _lay_out_bodies(
     flexible = list(model.flexible_bodies)
     numbers = [flexible.index(name) for name in layout.owners]
     own = [[p for p in layout.patches if p.owner == s] for s in range(len(layout.owners))]
-    motions = [
-        _motion(model, name, patches, e, elastic, stepping)
-        for name, patches, e in zip(layout.owners, own, numbers, strict=True)
-    ]
-    each = range(len(motions))
-    phi, phi_start = packed([motion.phi for motion in motions], each)
-    T, T_start = packed([motion.T for motion in motions], each)
-    G, G_start = packed([motion.G for motion in motions], each)
+    # Many bodies may be of one superelement, whose compliance is large: alike ones share it.
+    made: dict[tuple[Any, ...], _Motion] = {}
+    motions = []
+    for name, patches, e in zip(layout.owners, own, numbers, strict=True):
+        active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+        surfaces = [patch.surface.name for patch in patches]
+        element = id(model.flexible_bodies[name].superelement)
+        key = (element, *surfaces, *(active - elastic.dof[e]).tolist())
+        if key not in made:
+            made[key] = _motion(model, name, patches, e, elastic, stepping)
+        motions.append(made[key])
+    owners = [id(motion) for motion in motions]
+    phi, phi_start = packed([motion.phi for motion in motions], owners)
+    T, T_start = packed([motion.T for motion in motions], owners)
+    G, G_start = packed([motion.G for motion in motions], owners)
     bodies = elastic.body[numbers].tolist()
     return SurfaceBodies(
         flexible=as_index(numbers),

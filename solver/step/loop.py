@@ -24,7 +24,7 @@ from .surfaces import (
     are_surfaces_closed,
     await_contacts,
     finish_surfaces,
-    follow_surfaces,
+    follow_surface_passages,
     keep_modes,
 )
 from .system import Inputs, Run, State, System, Workspace
@@ -110,7 +110,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)
     follow_passages(system, state, work)
-    follow_surfaces(system, state, work)
+    follow_surface_passages(system, state, work)
     add_coupling_work(system.couplings, state, work)
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)

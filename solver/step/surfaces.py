@@ -261,7 +261,7 @@ def measure_surfaces(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
-def follow_surfaces(system: System, state: State, work: Workspace) -> None:
+def follow_surface_passages(system: System, state: State, work: Workspace) -> None:
     """Note the first contact whose patch may have passed its target within the step.
 
     It moves by more than the depth at which points are beyond the target, past the sphere around
