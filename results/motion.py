@@ -478,6 +478,12 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
     """(n, k, 3) elastic displacement of each node of the first surface, in body axes; no number
     where it is far [m]"""
 
+    @property
+    def state(self) -> Array:
+        """(n,) 0 open, 1 closed"""
+        closed: Array = np.minimum(self.closed_rows, 1)
+        return closed
+
     def lacks(self, attribute: Attribute) -> NoReturn:
         if any(one.of for one in attribute.quantities):
             name = attribute.quantities[0].attribute

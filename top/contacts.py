@@ -166,11 +166,15 @@ def surface(
         The gap below which nodes are candidates, by default what they may move in two steps.
     name : str
     """
-    given = {"shape": shape, "axis": axis, "radius": radius, "length": length, "points": points}
+    given: dict[str, Any] = {
+        "shape": shape,
+        "axis": axis,
+        "radius": radius,
+        "length": length,
+        "points": points,
+    }
     given |= {"facets": facets, "layer": layer, "margin": margin}
-    keys: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
-    if "facets" in keys:
-        keys["facets"] = os.fspath(keys["facets"])
+    keys = {key: value for key, value in given.items() if value is not None}
     return SurfaceContact(name, (first, second), hollow=hollow, geometry=geometry, **keys)
 
 

@@ -84,6 +84,7 @@ def test_totals_are_those_of_the_rows(tilted, element):
     closed = motion.pressure > 0.0
     assert closed.any()
     np.testing.assert_array_equal(closed.sum(axis=1), motion.closed_rows)
+    np.testing.assert_array_equal(closed.any(axis=1), motion.state)
     np.testing.assert_array_equal(motion.pressure.max(axis=1), motion.largest_pressure)
     known = ~np.isnan(motion.gap)
     np.testing.assert_array_equal(np.nanmin(motion.gaps[known], axis=1), motion.gap[known])
