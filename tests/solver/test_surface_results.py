@@ -6,7 +6,8 @@ import pytest
 from duhamel import solver
 from duhamel.cli.run_report import report
 from duhamel.preprocess import PlausibilityWarning
-from duhamel.results import ResultsError, peaks, write_csv
+from duhamel.results import ExportError, RecoveryError, ResultsError, peaks, write_csv
+from duhamel.results.exports.loads import load_set
 from duhamel.solver import ModelError, OutputRequest, ValidityWarning
 
 from ..surface_bodies import dome
@@ -236,3 +237,19 @@ def test_an_unknown_surface_lists_those_of_the_body(element):
     assert body.surfaces == ("dome",)
     with pytest.raises(ModelError, match="no frame 'tip' on 'dome'; it has: dome"):
         _ = body["tip"]
+
+
+def test_fields_of_modes_are_refused_where_contacts_press():
+    """The modes of a body do not follow from the loads on its interfaces alone."""
+    part = dome(2e-4, 3, 3, 5e-4)
+    part.recover(stress=True)
+    with pytest.warns(PlausibilityWarning, match="nodes in the shortest wave"):
+        pressed = part.superelement(step=STEP, band=4e5)
+    results = drop(pressed).simulate(5e-6, STEP).results
+    assert results.pressed_surfaces == (("dome", "dome", "floor"),)
+    with pytest.raises(RecoveryError, match="body 'dome': its surfaces are in contact"):
+        results.von_mises("dome", 0.0)
+    assert results.outline_source("dome") == "rigid"
+    assert "surfaces are in contact" in results.outline_remark("dome")
+    with pytest.raises(ExportError, match="its surfaces are in contact"):
+        load_set(results, "dome", "worst")
