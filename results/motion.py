@@ -451,7 +451,7 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
     impulse: Array = quantity("N s", "integral of the magnitude of the force since t = 0")
     """(n,) integral of the magnitude of the force since t = 0 [N s], counted at every step"""
     pressure: Array = quantity(
-        "Pa",
+        ("Pa", "Pa"),
         "pressure of each row",
         name="pressure",
         of="surface_row",
@@ -459,7 +459,7 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
     )
     """(n, k) pressure of each row [Pa]"""
     gaps: Array = quantity(
-        "m",
+        ("m", "m"),
         "gap of each row; no number where it is far",
         name="gaps",
         of="surface_row",
@@ -467,7 +467,7 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
     )
     """(n, k) gap of each row; no number where it is far [m]"""
     displacement: Array = quantity(
-        "m",
+        ("m", "m"),
         "elastic displacement of each node of the first surface, in body axes; no number where it "
         "is far",
         "axis",
@@ -477,6 +477,12 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
     )
     """(n, k, 3) elastic displacement of each node of the first surface, in body axes; no number
     where it is far [m]"""
+
+    @property
+    def state(self) -> Array:
+        """(n,) 0 open, 1 closed"""
+        closed: Array = np.minimum(self.closed_rows, 1)
+        return closed
 
     def lacks(self, attribute: Attribute) -> NoReturn:
         if any(one.of for one in attribute.quantities):

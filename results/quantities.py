@@ -409,7 +409,7 @@ def names_in_role(results: Results, role: str) -> tuple[str, ...]:
 def _known_in_roles(results: Results, roles: str, name: str) -> None:
     """QuantityError for a name that nothing has in one of the roles, as "BODY|FRAME"."""
     every = [known for role in roles.split("|") for known in sorted(names_in_role(results, role))]
-    _known(roles.lower().replace("|", " or "), name, every)
+    _known(roles.lower().replace("|", " or ").replace("_", " "), name, every)
 
 
 def _known(role: str, name: str, names: Iterable[str]) -> str:

@@ -193,9 +193,9 @@ class Attribute:
     @property
     def shape(self) -> str:
         """As "(n, 3)"; k entries where an owner has several."""
-        if any(quantity.of for quantity in self.quantities):
-            return "(n, k)"
         width = sum(len(quantity.components) for quantity in self.quantities)
+        if any(quantity.of for quantity in self.quantities):
+            return f"(n, k, {width})" if width else "(n, k)"
         if width:
             return f"(n, {width})"
         return "(n,)" if self.quantities[0].dimensions[0] == "time" else "(m,)"

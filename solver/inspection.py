@@ -229,8 +229,11 @@ def _surface_contacts(initial: InitialState) -> Iterator[str]:
     """A line for each contact of surfaces, and one for each island that they are solved in."""
     model, contacts = initial.lowered.model, initial.lowered.system.surfaces.contacts
     rows = np.diff(contacts.row)
-    for contact, n in zip(model.surface_contacts, rows.tolist(), strict=True):
-        yield f"{contact.owner}: {contact.in_words}; {n} nodes may close"
+    for contact, first, n in zip(model.surface_contacts, contacts.row, rows, strict=False):
+        gaps = initial.state.surfaces.gap[first : first + n]
+        gap = float(np.min(gaps, initial=np.inf, where=~np.isnan(gaps)))
+        start = f"gap at the start {gap:.4g} m" if gap < np.inf else "far from it at the start"
+        yield f"{contact.owner}: {contact.in_words}; {n} nodes may close; {start}"
     for first, last in pairwise(contacts.island_range.tolist()):
         own = contacts.island[first:last]
         n = int(rows[own].sum())

@@ -10,6 +10,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from duhamel import solver, superelement, view
 from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
+from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.model.bodies import Body, Place, Start
 from duhamel.solver.model.model import numbered
 from duhamel.solver.schema.values import Framed, direction
@@ -59,8 +60,15 @@ class BodyHandle:
         """The names of its frames: of an elastic part its interfaces."""
         return tuple(self.body.frames)
 
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """The names of the surfaces of an elastic part, for contacts of surfaces."""
+        surfaces = getattr(getattr(self.body, "superelement", None), "surfaces", None)
+        return () if surfaces is None else tuple(patch.name for patch in surfaces.patches)
+
     def __getitem__(self, frame: str) -> FrameHandle:
-        return _frame(self.name, frame, self.frames)
+        """A frame, or a surface by its name."""
+        return _frame(self.name, frame, (*self.frames, *self.surfaces))
 
     def __repr__(self) -> str:
         return f"<body {self.name!r}, frames: {', '.join(self.frames) or 'none'}>"
@@ -151,6 +159,7 @@ class Mechanism:
         made.settings = made._last = model.settings
         made._path = model.path
         made._entries = {group: getattr(model, group) for group in MODEL_GROUPS}
+        made._entries["contacts"] += model.surface_contacts
         return made
 
     @property
@@ -237,13 +246,17 @@ class Mechanism:
 
     def model(self, settings: solver.Settings | None = None) -> solver.Model:
         """The mechanism as the solver takes it; `ModelError` says what is wrong with it."""
-        entries: dict[str, Any] = self._entries
+        entries: dict[str, Any] = {**self._entries}
+        contacts = entries["contacts"]
+        of_surfaces = tuple(one for one in contacts if isinstance(one, SurfaceContact))
+        entries["contacts"] = tuple(one for one in contacts if not isinstance(one, SurfaceContact))
         return solver.Model(
             bodies=dict(self.bodies),
             gravity=self.gravity,
             ground_frames=dict(self.ground_frames),
             settings=settings or self.settings,
             path=self._path,
+            surface_contacts=of_surfaces,
             **entries,
         )
 

@@ -6,8 +6,8 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 """of units, by their powers of ten"""
 PLAIN = "1"
 """the unit of a number"""
-UNPREFIXED = ("g", PLAIN)
-"""units that take no prefix"""
+UNPREFIXED = ("g", "m²", PLAIN)
+"""units that take no prefix: one before m² would be squared with it"""
 
 
 def exponent_of(peak: float, unit: str = "") -> int:

@@ -85,8 +85,9 @@ def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
     names = [contact.name for contact in lowered.model.surface_contacts]
     return {
         "surface_contact": _axis(list(enumerate(names))),
-        "surface_row": _axis(list(enumerate(rows))),
-        "surface_node": _axis(list(enumerate(nodes))),
+        # False for each: gaps and displacements are lengths.
+        "surface_row": _axis(list(enumerate(rows)), [False] * len(rows)),
+        "surface_node": _axis(list(enumerate(nodes)), [False] * len(nodes)),
     }
 
 

@@ -18,7 +18,7 @@ from .observers import follow_coordinates
 from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
-from .surface_results import follow_surfaces, keep_velocities
+from .surface_results import add_up_surfaces, keep_velocities
 from .surfaces import (
     approach_surfaces,
     are_surfaces_closed,
@@ -105,7 +105,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
     finish_surfaces(system, state, work)
-    follow_surfaces(system, state, work)
+    add_up_surfaces(system, state, work)
     add_elastic_work(system.elastic, state, work)
     add_load_work(system.loads, state, work)
     add_pattern_work(system.patterns, state, work)

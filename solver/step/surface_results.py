@@ -32,7 +32,7 @@ def keep_velocities(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
-def follow_surfaces(system: System, state: State, work: Workspace) -> None:
+def add_up_surfaces(system: System, state: State, work: Workspace) -> None:
     """Contacts of surfaces from the start to the end of a step: totals, impulses, events."""
     h = work.couplings.elapsed[0]
     for c in range(len(system.surfaces.contacts.patch)):
