@@ -10,7 +10,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Members
 from .curves import Impulse, Input
-from .sampling import samples_of
+from .sampling import Averaged
 from .signal import (
     SIGNAL_FORMS,
     AnySignal,
@@ -55,7 +55,7 @@ else:
     OptionalParts = Parts | None
 
 
-class _Composed(Smooth):
+class _Composed(Smooth, Averaged):
     """The base of signals that are composed of parts."""
 
     @property
@@ -79,13 +79,6 @@ class _Composed(Smooth):
 
     def values_at(self, t: Array) -> Array:
         raise NotImplementedError
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
-    def samples(self, t: Array, h: float) -> Array:
-        signal: Any = self
-        return samples_of(signal, t, h)
 
 
 @SIGNAL_FORMS.in_files("sum")

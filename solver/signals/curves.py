@@ -18,7 +18,7 @@ from .pieces import Pieces
 from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
 
-class Piecewise:
+class Piecewise(Pointwise):
     """Signals that are polynomials between times."""
 
     @property
@@ -46,9 +46,6 @@ class Constant(Smooth, Pointwise, Entry):
 
     value: float
 
-    def __call__(self, t: float) -> float:
-        return self.value
-
     def values_at(self, t: Array) -> Array:
         return np.full(t.shape, self.value)
 
@@ -69,11 +66,6 @@ class Steps(Piecewise, Entry):
 
     def validate(self) -> None:
         _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        # side="right": at its own time a step has its new value.
-        index = int(np.searchsorted(self.times, t, side="right"))
-        return self.values[index - 1] if index else 0.0
 
     @property
     def jumps(self) -> tuple[float, ...]:
@@ -97,7 +89,7 @@ class Steps(Piecewise, Entry):
 
 @SIGNAL_FORMS.in_files("times", flag="linear")
 @entry(eq=True)
-class Table(Piecewise, Pointwise, Entry):
+class Table(Piecewise, Entry):
     """A table: linear between the points (times, values), constant outside."""
 
     times: Numbers
@@ -105,9 +97,6 @@ class Table(Piecewise, Pointwise, Entry):
 
     def validate(self) -> None:
         _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        return float(np.interp(t, self.times, self.values))
 
     def values_at(self, t: Array) -> Array:
         return np.interp(t, self.times, self.values)
@@ -127,7 +116,7 @@ class Table(Piecewise, Pointwise, Entry):
 
 @SIGNAL_FORMS.in_files("times", flag="spline")
 @entry(eq=True)
-class Spline(Piecewise, Smooth, Pointwise, Entry):
+class Spline(Smooth, Piecewise, Entry):
     """The natural cubic spline through the points (times, values), for measured motions.
 
     It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
@@ -154,9 +143,6 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
         if not np.isfinite(spline.c).all():
             raise _too_steep(self.times)
         object.__setattr__(self, "_spline", spline)
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def values_at(self, t: Array) -> Array:
         within = np.clip(t, self.times[0], self.times[-1])
@@ -186,9 +172,6 @@ class Harmonic(Smooth, Pointwise, Entry):
     phase: float = 0.0
     offset: float = 0.0
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
     def derivatives_at(self, t: Array) -> tuple[Array, Array]:
         omega = 2.0 * np.pi * self.frequency
         angle = omega * t + self.phase
@@ -208,21 +191,14 @@ class Harmonic(Smooth, Pointwise, Entry):
 
 @SIGNAL_FORMS.in_files("polynomial")
 @entry(eq=True)
-class Polynomial(Piecewise, Smooth, Pointwise, Entry):
+class Polynomial(Smooth, Piecewise, Entry):
     """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ..."""
 
     coefficients: Annotated[SomeNumbers, NameInFile("polynomial")]
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
-    def values_at(self, t: Array) -> Array:
-        values: Array = np.polynomial.Polynomial(self.coefficients)(t)
-        return values
-
     def derivatives_at(self, t: Array) -> tuple[Array, Array]:
-        polynomial = np.polynomial.Polynomial(self.coefficients)
-        return polynomial.deriv(1)(t), polynomial.deriv(2)(t)
+        rate = self.pieces.derivative()
+        return rate(t), rate.derivative()(t)
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -270,9 +246,6 @@ class Pulse(Piecewise, Entry):
                 f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
             )
 
-    def __call__(self, t: float) -> float:
-        return self.value if self.start <= t < self.end else 0.0
-
     @property
     def jumps(self) -> tuple[float, ...]:
         return self.start, self.end
@@ -296,9 +269,6 @@ class Input(Smooth, Pointwise, Entry):
     name: Annotated[str, NameInFile("input")]
     value: float = 0.0
 
-    def __call__(self, t: float) -> float:
-        return self.value
-
     def values_at(self, t: Array) -> Array:
         return np.full(t.shape, self.value)
 
@@ -316,9 +286,6 @@ class Function(Pointwise, Entry):
 
     function: Callable[[Any], Any]
     vectorized: bool = field(default=False, kw_only=True)
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def values_at(self, t: Array) -> Array:
         return self._called(self.function, t)

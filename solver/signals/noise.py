@@ -105,9 +105,6 @@ class _Noise(Smooth, Pointwise):
         """The root of the mean square."""
         return float(np.sqrt(0.5 * (self.lines.amplitude**2).sum()))
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
     def values_at(self, t: Array) -> Array:
         return self._sum(t, lambda times: (np.sin(self.lines.omega * times + self.lines.phase),))[0]
 

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.values import NotNegative, Positive, reals
-from .sampling import samples_of
+from .sampling import Averaged
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
 from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
@@ -47,15 +47,12 @@ Frequencies = Annotated[
 ]
 
 
-class Profile:
+class Profile(Averaged):
     """A signal that changes between a few times, its corners, alone."""
 
     def terms(self, t: Array) -> Array:
         """Values, first and second derivatives, first and second antiderivatives (5, ...)."""
         raise NotImplementedError
-
-    def __call__(self, t: float) -> float:
-        return float(self.terms(np.array(t))[0])
 
     def values_at(self, t: Array) -> Array:
         values: Array = self.terms(t)[0]
@@ -70,10 +67,6 @@ class Profile:
         """The derivative, at a corner that after it."""
         return float(self.terms(np.array(t))[1])
 
-    def samples(self, t: Array, h: float) -> Array:
-        signal: Any = self
-        return samples_of(signal, t, h)
-
 
 class SmoothProfile(Smooth, Profile):
     """A profile without jumps of its derivative, which can drive joints."""
@@ -83,12 +76,15 @@ class SmoothProfile(Smooth, Profile):
         return rate, acceleration
 
 
-class _Step(SmoothProfile):
+@entry(eq=True)
+class _Step(SmoothProfile, Entry):
     """A step from one value to another over a time."""
 
-    shape: Shape
-    values: tuple[float, float]
-    over: tuple[float, float]
+    values: Annotated[FromTo, NameInFile("smooth_step")]
+    over: Span
+
+    # Subclasses may have another one.
+    shape = staticmethod(quintic)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -106,29 +102,21 @@ class _Step(SmoothProfile):
 
 @SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
-class SmoothStep(_Step, Entry):
+class SmoothStep(_Step):
     """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
 
     Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
     10/sqrt(3) times the change over the duration, and over its square.
     """
 
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
-
-    shape = staticmethod(quintic)
-
 
 @SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
-class Haversine(_Step, Entry):
+class Haversine(_Step):
     """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
     """
-
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
 
     shape = staticmethod(raised_cosine)
 
@@ -249,13 +237,14 @@ def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
         )
 
 
-class _Chirp(Smooth, Pointwise):
+@entry(eq=True)
+class _Chirp(Smooth, Pointwise, Entry):
     """amplitude sin(angle(t)), of a frequency that changes over a time and is constant outside."""
 
-    amplitude: float
-    frequencies: tuple[float, float]
-    over: tuple[float, float]
-    phase: float
+    amplitude: Annotated[float, NameInFile("chirp")]
+    frequencies: Frequencies
+    over: Span
+    phase: float = 0.0
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -265,9 +254,6 @@ class _Chirp(Smooth, Pointwise):
     def highest_frequency(self) -> float:
         """The highest frequency [Hz]."""
         return max(self.frequencies)
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def values_at(self, t: Array) -> Array:
         values: Array = self.amplitude * np.sin(self._angles(t)[0])
@@ -298,16 +284,11 @@ class _Chirp(Smooth, Pointwise):
 
 @SIGNAL_FORMS.in_files("chirp")
 @entry(eq=True)
-class Chirp(_Chirp, Entry):
+class Chirp(_Chirp):
     """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
 
     phase: at the start of that [rad].
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies
@@ -317,16 +298,11 @@ class Chirp(_Chirp, Entry):
 
 @SIGNAL_FORMS.in_files("chirp", flag="logarithmic")
 @entry(eq=True)
-class LogarithmicChirp(_Chirp, Entry):
+class LogarithmicChirp(_Chirp):
     """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
 
     phase: at the start of that [rad].
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies

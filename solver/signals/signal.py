@@ -38,10 +38,13 @@ SIGNAL_FORMS = Family("signal")
 
 
 class Pointwise:
-    """Signals that are sampled by their values."""
+    """Signals that are sampled by their values.
+
+    A class has `values_at(t)` for times of any shape, or else a `__call__` of its own.
+    """
 
     def __call__(self, t: float) -> float:
-        raise NotImplementedError
+        return float(values_of(self, np.array(t)))
 
     def samples(self, t: Array, h: float) -> Array:
         return values_of(self, t)
