@@ -519,16 +519,13 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         if _event_quantities(contents):
-            scales["event"] = _create(file, EVENT_NUMBER, axes, CHUNK_EVENTS)
+            scales["event"] = _create(file, EVENT_NUMBER, axes, rows)
         for name, scale in scales.items():
             scale.make_scale(name)
             if name != "time":
                 scale.attrs["long_name"] = DIMENSIONS[name].description
-        for quantity in contents.quantities[1:]:
+        for quantity in (*contents.quantities[1:], *_event_quantities(contents)[1:]):
             _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
-            _put_units(file, quantity, axes, scales)
-        for quantity in _event_quantities(contents)[1:]:
-            _attach(_create(file, quantity, axes, CHUNK_EVENTS), quantity.dimensions, scales)
             _put_units(file, quantity, axes, scales)
         for name, values in _superelement_files(contents).items():
             _attach(_put_strings(file, name, values), ("flexible_body",), scales)
@@ -575,8 +572,10 @@ def _put_units(
 
 
 def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.Dataset:
-    """A variable without rows."""
+    """A variable without rows, of which there will be so many over time."""
     shape = quantity.shape(axes)
+    if quantity.dimensions[0] != "time":
+        rows = CHUNK_EVENTS
     dataset = file.create_dataset(
         quantity.name,
         shape=(0, *shape),
