@@ -154,9 +154,6 @@ class Values(Pointwise):
 
     signal: Any
 
-    def __call__(self, t: float) -> float:
-        return float(self.signal(t))
-
     def values_at(self, t: Array) -> Array:
         return values_of(self.signal, t)
 
@@ -166,9 +163,6 @@ class Rate(Pointwise):
     """The derivative of a smooth signal."""
 
     signal: Any
-
-    def __call__(self, t: float) -> float:
-        return float(self.signal.derivatives(t)[0])
 
     def values_at(self, t: Array) -> Array:
         return derivatives_of(self.signal, t)[0]
