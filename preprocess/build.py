@@ -25,7 +25,6 @@ from .responses.channels import channels_of, of_interfaces
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
 from .rotation.reduced import reduced_rotation
-from .solving.factor import factorizations
 from .sources.reading import read_source
 from .threads import blas_threads
 
@@ -56,7 +55,6 @@ def build(
         memory_shortage_told(),
         refused_where_singular(),
         shown_stages(progress, told or on_warning) as stages,
-        factorizations() as stages.solvers,
     ):
         return _build(body, stages)
 
@@ -86,11 +84,10 @@ def _build(body: Body, stages: Stages) -> Superelement:
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
-        parts = lossy_parts(body, source, structure)
-    wide = structure.with_channels()
+        structure = replace(structure, lossy=lossy_parts(body, source, structure))
     with blas_threads(structure.n_u):
         with stages.stage("impulse"):
-            responses = impulse_responses(wide, body, stages, parts)
+            responses = impulse_responses(structure.with_channels(), body, stages)
             for doubt in doubts_of_responses(body, responses):
                 stages.warn(doubt)
         return superelement_of(body, source, structure, second, responses, stages)
@@ -156,7 +153,7 @@ def superelement_of(
             mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(stages.solvers),
+            versions=_versions(structure.solvers),
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),

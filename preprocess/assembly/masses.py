@@ -8,15 +8,13 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from ..body.body import Body, PointMass
-from ..body.selection import InterfaceSelection
+from ..body.selection import Selection
 from ..errors import InterfaceError
 
 
-def mass_selections(body: Body) -> dict[str, InterfaceSelection]:
+def mass_selections(body: Body) -> dict[str, Selection]:
     """The selections of the masses that are not on an interface, by name."""
-    return {
-        name: mass.selection for name, mass in body.masses.items() if mass.selection is not None
-    }
+    return {name: mass for name, mass in body.masses.items() if mass.interface is None}
 
 
 def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str, Any]) -> Any:

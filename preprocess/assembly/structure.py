@@ -1,7 +1,7 @@
 """The finite element model that kernels are computed from: matrices, rigid modes and interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -37,8 +37,10 @@ class Structure:
     rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
     where there are none. turns (3 n, n_u): the rotations of the n points of the source,
     None where not all of them have rotations. All in mesh axes.
+    lossy: K (n_u, n_u) of each group whose material loses energy, where loss factors differ.
     processes: where there are several, each has its own rows of vectors (n_u, k), and its own
-    columns of P_C.
+    columns of P_C. solvers: what has solved with its matrices, in that order; copies with other
+    rows or loads share the list.
     """
 
     nodes: Nodes
@@ -53,7 +55,9 @@ class Structure:
     inertia: Array | None = None
     channels: ChannelRows | None = None
     turns: Any | None = None
+    lossy: Mapping[str, Any] = field(default_factory=dict)
     processes: Processes = ONE_PROCESS
+    solvers: list[str] = field(default_factory=list)
 
     @property
     def n_u(self) -> int:

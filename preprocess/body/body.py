@@ -124,14 +124,6 @@ class PointMass(Selection):
             raise ValueError("expected a mass or an inertia, found neither")
         return self
 
-    @property
-    def selection(self) -> InterfaceSelection | None:
-        """The selection on the mesh; None for a mass on an interface."""
-        if self.interface is not None:
-            return None
-        keys = set(Selection.model_fields)
-        return InterfaceSelection.model_validate(self.model_dump(include=keys, exclude_unset=True))
-
 
 class Impulse(Table):
     """The impulse responses to compute: `steps` steps of `step` seconds with the scheme of rho_inf.

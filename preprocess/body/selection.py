@@ -168,6 +168,11 @@ class Selection(Table):
         }
         return {key: shape for key, shape in shapes.items() if shape is not None}
 
+    @property
+    def rigid(self) -> bool:
+        """Whether what is selected follows its frame as one piece; else the frame follows it."""
+        return False
+
     def holds(self, points: Array, size: float) -> Chosen:
         """True (n,) for the points (n, 3) inside all of the shapes; all points without shapes."""
         inside = np.ones(len(points), dtype=np.bool_)
@@ -199,3 +204,7 @@ class InterfaceSelection(Selection):
                 "found none"
             )
         return self
+
+    @property
+    def rigid(self) -> bool:
+        return self.kind == "rigid"

@@ -12,7 +12,7 @@ from ..assembly.structure import Structure
 from ..body.body import SolverName
 from ..errors import MemoryShortageError, MeshError, MethodError
 from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve, note
+from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve
 from ..solving.gradients import ColumnGradients, Columns, Goal
 from ..solving.refined import SHARE_OF_ACCURACY
 from ..solving.solver import COMPACT_SHARE, Patient, SolverFactory, condition, shifted_product
@@ -49,7 +49,7 @@ def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> F
             f"{residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
         )
     factor = Factor(solve, f"mumps, {PETSC_VERSION}", residual)
-    note(factor.summary)
+    structure.solvers.append(factor.summary)
     return factor
 
 
@@ -133,7 +133,7 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     if gradient_steps(condition(structure, shift), accuracy) > MAX_PLAIN_STEPS:
         with suppress(np.linalg.LinAlgError):
             precondition, multigrid = spread_multigrid(structure, shift), " with multigrid"
-    note(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
+    structure.solvers.append(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
     product = partial(shifted_product, K, M, shift)
     system = Columns(product, precondition, structure.processes, order="F")
     return ColumnGradients(system, Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy))

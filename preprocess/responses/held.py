@@ -72,7 +72,8 @@ def _by_lanczos(structure: Structure, rows: Array, count: int, shift: float) -> 
 
 def _held_solve(structure: Structure, rows: Array, shift: float) -> Solve:
     """b -> x: (K + shift M) x + rows^T lambda = b, rows x = 0."""
-    solve = factorize(structure.K + shift * structure.M, "the shifted stiffness")
+    S = structure.K + shift * structure.M
+    solve = factorize(S, "the shifted stiffness", solvers=structure.solvers)
     Y = solve(rows.T)
     back = np.linalg.inv(rows @ Y)
 

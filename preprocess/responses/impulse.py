@@ -1,8 +1,6 @@
 """Impulse responses by the method that a body file names or its size suggests."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
 from ..assembly.structure import Structure
@@ -47,15 +45,11 @@ def require_memory(steps: int, n_c: int) -> None:
 
 
 def impulse_responses(
-    structure: Structure,
-    body: Body,
-    stages: Stages | None = None,
-    parts: Mapping[str, Any] | None = None,
+    structure: Structure, body: Body, stages: Stages | None = None
 ) -> ImpulseResponses:
     """The impulse responses of a body, by the method that it names or the one for its size.
 
-    `stages` shows how far it is. parts: the stiffness matrices of groups whose materials have other
-    loss factors than the rest. `MethodError` where the method does not allow what is asked.
+    `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
     """
     stages = stages or Stages()
     impulse, damping = body.impulse, damping_of(body)
@@ -67,12 +61,12 @@ def impulse_responses(
     match method:
         case "modal":
             modes, shapes = elastic_shapes(structure, damping)
-            modes = with_losses(body, modes, shapes, parts)
+            modes = with_losses(body, structure, modes, shapes)
             return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
         case "krylov":
-            return krylov_responses(body, *krylov_found(structure, body, stages, parts))
+            return krylov_responses(body, *krylov_found(structure, body, stages))
         case "craig-bampton" | "rubin":
-            return _truncated(structure, body, stages, parts)
+            return _truncated(structure, body, stages)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)
@@ -80,11 +74,7 @@ def impulse_responses(
 
 
 def krylov_found(
-    structure: Structure,
-    body: Body,
-    stages: Stages,
-    parts: Mapping[str, Any] | None,
-    solver: SolverFactory | None = None,
+    structure: Structure, body: Body, stages: Stages, solver: SolverFactory | None = None
 ) -> tuple[Modes, Shapes, float]:
     """The modes that the method krylov finds, their shapes, and their error.
 
@@ -95,7 +85,7 @@ def krylov_found(
     modes, shapes, error = krylov_modes(
         structure, damping_of(body), band, tolerance, stages.report, fields, solver
     )
-    return with_losses(body, modes, shapes, parts), shapes, error
+    return with_losses(body, structure, modes, shapes), shapes, error
 
 
 def krylov_responses(body: Body, modes: Modes, shapes: Shapes, error: float) -> ImpulseResponses:
@@ -112,16 +102,14 @@ def band_of(body: Body) -> Band:
     return Band(impulse.step, scheme, limit)
 
 
-def _truncated(
-    structure: Structure, body: Body, stages: Stages, parts: Mapping[str, Any] | None
-) -> ImpulseResponses:
+def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
     """Those of a number of modes, with the band in which they are right."""
     impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
     reduction = REDUCTIONS[impulse.method](structure, damping, count)
     wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), 0.25 / impulse.step)
     fields = body.recovery is not None
     found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
-    modes = with_losses(body, found.modes, found.shapes, parts)
+    modes = with_losses(body, structure, found.modes, found.shapes)
     kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
     return ImpulseResponses(method, kernel, modes, found.shapes, TRUNCATION_ERROR)

@@ -64,7 +64,8 @@ def static_solver(structure: Structure) -> Solve:
     """
     K = structure.K.tocsr()
     free = np.setdiff1d(np.arange(structure.n_u), _determinate_dofs(structure))
-    solve = factorize(K[free][:, free], "the stiffness with six dofs held")
+    name = "the stiffness with six dofs held"
+    solve = factorize(K[free][:, free], name, solvers=structure.solvers)
 
     def response(loads: Array) -> Array:
         u = np.zeros_like(loads)
@@ -128,7 +129,9 @@ def initial_accelerations(structure: Structure) -> Array:
     """
     M, loads = structure.M.tocsr(), structure.loads
     solution = _solved_by_gradients(M, loads)
-    return solution if solution is not None else factorize(M, "the mass matrix")(loads)
+    if solution is not None:
+        return solution
+    return factorize(M, "the mass matrix", solvers=structure.solvers)(loads)
 
 
 def _solved_by_gradients(A: Any, B: Array) -> Array | None:

@@ -8,7 +8,7 @@ from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
 from ..assembly.source import FieldPoints
 from ..body.loads import LoadPattern
-from ..body.selection import InterfaceSelection, Selection
+from ..body.selection import Selection
 from ..body.sensors import SensorPoint
 from ..elements.inertia import NodalTensors, scalar_mass
 from ..errors import BodyError
@@ -51,7 +51,7 @@ class GivenSource:
             )
         return NodalTensors(self.name, M_s, self.nodes.points - center)
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """The dofs of one node, or a frame with six that several carry."""
         table = self.model.table
         if selection.node is not None:

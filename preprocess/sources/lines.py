@@ -15,7 +15,7 @@ from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import Section
-from ..body.selection import InterfaceSelection
+from ..body.selection import Selection
 from ..body.sensors import SensorPoint
 from ..elements.beam import beam_matrices, lengths, lengths_and_axes
 from ..elements.beam_force import line_forces
@@ -78,7 +78,7 @@ class LineSource:
         middles: Array = self.mesh.points[self.mesh.cells["line"]].mean(axis=1)
         return middles, lengths_and_axes(self.mesh, self.section_of_each)[1]
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
         mesh = self.mesh
         check_elements(selection, mesh)

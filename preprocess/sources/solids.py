@@ -22,7 +22,7 @@ from ..assembly.surface import surface
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import STRESS_ORDER, Material
-from ..body.selection import InterfaceSelection
+from ..body.selection import Selection
 from ..body.sensors import SensorPoint
 from ..elements.bending import bending_excess
 from ..elements.location import locate
@@ -109,7 +109,7 @@ class SolidSource:
             self.materials.owners,
         )
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """A node with three dofs, or a frame with six that facets or points carry.
 
         A group that names a single point has the three dofs of that.
