@@ -1,6 +1,6 @@
 """Impulse responses by the method that a body file names or its size suggests."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
 from ..assembly.structure import Structure
@@ -13,7 +13,7 @@ from .band import Band
 from .losses import with_losses
 from .march import march_kernel
 from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
-from .search import krylov_modes
+from .search import Request, krylov_modes
 from .shapes import Shapes
 from .truncated import REDUCTIONS, TRUNCATION_ERROR, truncated_modes
 
@@ -80,11 +80,10 @@ def krylov_found(
 
     solver: another than the body asks for.
     """
-    solver = solver or solver_of(body.impulse.solver)
-    band, tolerance, fields = band_of(body), body.impulse.tolerance, body.recovery is not None
-    modes, shapes, error = krylov_modes(
-        structure, damping_of(body), band, tolerance, stages.report, fields, solver
+    request = replace(
+        _request(structure, body, stages), solver=solver or solver_of(body.impulse.solver)
     )
+    modes, shapes, error = krylov_modes(request)
     return with_losses(body, structure, modes, shapes), shapes, error
 
 
@@ -102,14 +101,26 @@ def band_of(body: Body) -> Band:
     return Band(impulse.step, scheme, limit)
 
 
+def _request(structure: Structure, body: Body, stages: Stages) -> Request:
+    """The modes that a body file asks for."""
+    return Request(
+        structure,
+        damping_of(body),
+        band_of(body),
+        body.impulse.tolerance,
+        fields=body.recovery is not None,
+        watch=stages.report,
+    )
+
+
 def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
     """Those of a number of modes, with the band in which they are right."""
-    impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
-    reduction = REDUCTIONS[impulse.method](structure, damping, count)
-    wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), 0.25 / impulse.step)
-    fields = body.recovery is not None
-    found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
+    impulse, count = body.impulse, body.impulse.modes or 0
+    request = replace(_request(structure, body, stages), tolerance=TRUNCATION_ERROR)
+    reduction = REDUCTIONS[impulse.method](structure, request.damping, count)
+    found = truncated_modes(request, reduction)
     modes = with_losses(body, structure, found.modes, found.shapes)
-    kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, found.limit)
+    scheme = request.band.scheme
+    kernel = sample_kernel(modes, impulse.step, scheme, impulse.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
     return ImpulseResponses(method, kernel, modes, found.shapes, TRUNCATION_ERROR)
