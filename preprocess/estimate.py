@@ -13,6 +13,7 @@ from ..superelement.validation import Array
 from .assembly.structure import Structure
 from .mesh.mesh import IntArray
 from .mesh.nodes import Nodes
+from .responses.lowest import independent_squares
 from .solving.factor import factorize
 from .threads import in_order
 
@@ -24,10 +25,6 @@ eigenproblem.
 """
 REDUCED_ROWS_AT_ONCE = 2**14
 MIN_GRID_EXTENT = 1e-3  # across a body without any, over the largest
-MIN_SPLINE_EIGENVALUE = 1e-9
-"""Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of
-others.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +56,7 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
     """
     V = _fields(structure.nodes, splines)
     K, M = _reduced(structure.K, V), _reduced(structure.M, V)
-    scale = 1.0 / np.sqrt(M.diagonal())
-    mass, vectors = np.linalg.eigh(M * np.outer(scale, scale))
-    independent = mass > MIN_SPLINE_EIGENVALUE
-    basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
-    squares: Array = np.linalg.eigvalsh(basis.T @ K @ basis)[6:]
-    return np.sqrt(squares) / (2.0 * np.pi)
+    return np.sqrt(independent_squares(K, M)[6:]) / (2.0 * np.pi)
 
 
 def _reduced(A: Any, V: Any) -> Array:

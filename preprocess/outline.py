@@ -64,11 +64,9 @@ def corners_of(section: Section, size: float) -> Array:
     radii = np.clip(radii, low, high)
     if abs(section.EI_y - section.EI_z) <= MAX_ROUND_DIFFERENCE * max(section.EI_y, section.EI_z):
         angles = 2.0 * np.pi / ROUND_CORNERS * np.arange(ROUND_CORNERS)
-        around: Array = 2.0 * radii * np.column_stack([np.cos(angles), np.sin(angles)])
-        return around
+        return np.asarray(2.0 * radii * np.column_stack([np.cos(angles), np.sin(angles)]))
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-    corners: Array = np.sqrt(3.0) * radii * signs
-    return corners
+    return np.asarray(np.sqrt(3.0) * radii * signs)
 
 
 class _Rings:

@@ -72,8 +72,7 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 
     def batch(part: slice) -> Array:
         rows = strains[6 * part.start : 6 * part.stop] @ structure.T
-        at_points: Array = C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1)
-        return at_points
+        return np.asarray(C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1))
 
     return _filled(points, batch)
 

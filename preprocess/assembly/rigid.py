@@ -77,8 +77,7 @@ def project(w: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> A
 
     w (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    elastic: Array = w - U @ processes.total(U.T @ (M @ w))
-    return elastic
+    return np.asarray(w - U @ processes.total(U.T @ (M @ w)))
 
 
 def relieve(f: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> Array:
@@ -88,5 +87,4 @@ def relieve(f: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> A
 
     f (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    balanced: Array = f - M @ (U @ processes.total(U.T @ f))
-    return balanced
+    return np.asarray(f - M @ (U @ processes.total(U.T @ f)))

@@ -296,6 +296,10 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _own_names(self) -> Self:
         if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
             raise ValueError(
                 f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
@@ -310,6 +314,10 @@ class Body(Table):
             for name in getattr(self, table):
                 if name in self.interfaces:
                     raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
+        return self
+
+    @model_validator(mode="after")
+    def _places_that_are_there(self) -> Self:
         if self.loads and self.matrices is not None:
             raise ValueError(
                 "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"

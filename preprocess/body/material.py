@@ -224,16 +224,14 @@ class Material(Table):
     def elasticity(self) -> Array:
         """C (6, 6) [Pa] in mesh axes, in the order of `STRESS_ORDER`: stresses = C strains."""
         i, j = np.array(STRESS_ORDER).T
-        C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
-        return C
+        return np.asarray(self.elasticity_tensor[i[:, None], j[:, None], i, j])
 
     @property
     def elasticity_tensor(self) -> Array:
         """C (3, 3, 3, 3) [Pa] in mesh axes: sigma_ij = C_ijkl epsilon_kl."""
         C = np.linalg.inv(self._compliance)[_PLACE[:, :, None, None], _PLACE]
         R = self._directions
-        turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
-        return turned
+        return np.asarray(np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True))
 
     @property
     def nearly_incompressible(self) -> bool:
@@ -273,5 +271,4 @@ class Material(Table):
             return np.eye(3)
         one, third = np.array(self.axes[0]), np.cross(*self.axes)
         rows = np.array([one, np.cross(third, one), third])
-        unit: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
-        return unit
+        return np.asarray(rows / np.linalg.norm(rows, axis=1)[:, None])

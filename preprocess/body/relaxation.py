@@ -73,5 +73,4 @@ def _times(band: tuple[float, float], n: int, overhang: float) -> Array:
     first, last = low * np.exp(-overhang), high * np.exp(overhang)
     if n == 1 or first >= last:
         first, last = np.sqrt(low * high) * np.array([1.0, 1.0 + 1e-3 * n])
-    times: Array = np.geomspace(first, last, n)
-    return times
+    return np.asarray(np.geomspace(first, last, n))

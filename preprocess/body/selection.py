@@ -36,8 +36,7 @@ class Plane(Table):
     def holds(self, points: Array, size: float) -> Chosen:
         """|(X - point) . n| <= tolerance size"""
         height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
-        near: Chosen = np.abs(height) <= self.tolerance * size
-        return near
+        return np.asarray(np.abs(height) <= self.tolerance * size)
 
 
 class Box(Table):
@@ -50,8 +49,7 @@ class Box(Table):
         """lower <= X <= upper, component by component"""
         margin = self.tolerance * size
         lower, upper = np.sort(self.corners, axis=0)
-        inside: Chosen = ((points >= lower - margin) & (points <= upper + margin)).all(axis=1)
-        return inside
+        return np.asarray(((points >= lower - margin) & (points <= upper + margin)).all(axis=1))
 
 
 class Sphere(Table):

@@ -155,8 +155,7 @@ def _bending_stiffness(L: Array, EI: Array, Phi: Array) -> Array:
     ]
     upper = np.array(rows).transpose(2, 0, 1)
     factor = EI / (L**3 * (1.0 + Phi))
-    matrix: Array = factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1))
-    return matrix
+    return np.asarray(factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1)))
 
 
 def _local_mass(L: Array, p: BeamProperties) -> Array:

@@ -27,8 +27,7 @@ Moved = tuple[IntArray, Array]
 def vector_of(tensors: Array) -> Array:
     """The six numbers (6, ...) of symmetric matrices (3, 3, ...)."""
     rows, columns = np.array(STRESS_ORDER).T
-    six: Array = tensors[rows, columns]
-    return six
+    return np.asarray(tensors[rows, columns])
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -17,6 +17,7 @@ from ...files.memory import shortage
 from ...superelement.validation import Array
 from ..errors import MatrixError, MeshError
 from ..mesh.mesh import IntArray
+from ..mesh.numbering import is_whole
 
 # Exceptions of numpy, scipy and zipfile.
 MATRIX_DAMAGE = (
@@ -71,12 +72,9 @@ def load_rows(source: Any, **form: Any) -> Array:
 
 def whole_numbers(values: Array, what: str) -> IntArray:
     """Numbers that must be whole, and exact as floats."""
-    whole = np.abs(values) < 2.0**53
-    whole[whole] = values[whole] % 1.0 == 0.0
-    if not whole.all():
+    if not (whole := is_whole(values)).all():
         raise MatrixError(f"expected integers for {what}, found {values[~whole].flat[0]}")
-    integers: IntArray = values.astype(np.int64)
-    return integers
+    return np.asarray(values.astype(np.int64))
 
 
 def require_text(path: Path) -> None:

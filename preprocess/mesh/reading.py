@@ -2,8 +2,9 @@
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,21 +15,20 @@ from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning
 from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
-from .formats.abaqus_deck import files_of as files_of_abaqus
+from .formats.abaqus_deck import abaqus_include
 from .formats.draft import Draft
-from .formats.nastran_deck import files_of as files_of_nastran
+from .formats.nastran_deck import nastran_include
+from .formats.text import files
 from .mesh import Mesh
 
+_NASTRAN = (".bdf", ".nas", ".dat", ".fem")
+_XDMF = (".xdmf", ".xmf")
 _READERS = {
     ".msh": gmsh.read,
     ".inp": abaqus.read,
-    ".bdf": nastran.read,
-    ".nas": nastran.read,
-    ".dat": nastran.read,
-    ".fem": nastran.read,
+    **dict.fromkeys(_NASTRAN, nastran.read),
     ".med": med.read,
-    ".xdmf": xdmf.read,
-    ".xmf": xdmf.read,
+    **dict.fromkeys(_XDMF, xdmf.read),
 }
 """By suffix; meshio reads what is not here."""
 _BY_GMSH = (".step", ".stp", ".iges", ".igs", ".brep")
@@ -55,10 +55,10 @@ _NO_MESH = {
     ),
 }
 """What to do with files that are often taken for meshes, by suffix."""
-_FILES = {
-    ".inp": files_of_abaqus,
-    **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), files_of_nastran),
-    **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
+_FILES: dict[str, Callable[[Path], list[Path]]] = {
+    ".inp": partial(files, included=abaqus_include),
+    **dict.fromkeys(_NASTRAN, partial(files, included=nastran_include)),
+    **dict.fromkeys(_XDMF, xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
 MESH_SIZES = (1e-12, 1e12)
@@ -128,7 +128,8 @@ def check_points(source: Path, draft: Draft) -> None:
 def files_of(path: Path) -> list[Path]:
     """The files that a mesh is in: with those that it includes, and those of its numbers."""
     with _about(path):
-        return _FILES.get(path.suffix.lower(), lambda only: [only])(path)
+        found = _FILES.get(path.suffix.lower())
+        return [path] if found is None else found(path)
 
 
 @contextmanager

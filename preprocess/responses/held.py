@@ -79,8 +79,7 @@ def _held_solve(structure: Structure, rows: Array, shift: float) -> Solve:
 
     def held_solve(b: Array) -> Array:
         x = solve(b)
-        held: Array = x - Y @ (back @ (rows @ x))
-        return held
+        return np.asarray(x - Y @ (back @ (rows @ x)))
 
     return held_solve
 
@@ -91,8 +90,7 @@ def _beside(structure: Structure, solve: Solve, shapes: Array) -> Solve:
 
     def solve_beside(b: Array) -> Array:
         x = solve(b)
-        rest: Array = x - shapes @ (weights @ x)
-        return rest
+        return np.asarray(x - shapes @ (weights @ x))
 
     return solve_beside
 

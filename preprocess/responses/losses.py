@@ -39,5 +39,4 @@ def _energy(shapes: Shapes, K: Any) -> Array:
     V, Q = shapes.V, shapes.Q
     if Q is None:
         return shapes.processes.total(np.einsum("im,im->m", V, K @ V))
-    of_modes: Array = np.einsum("im,im->m", Q, shapes.processes.total(V.T @ (K @ V)) @ Q)
-    return of_modes
+    return np.asarray(np.einsum("im,im->m", Q, shapes.processes.total(V.T @ (K @ V)) @ Q))

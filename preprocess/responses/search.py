@@ -224,8 +224,7 @@ def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) 
     frequency that no mode of the body has.
     """
     inside = modes.omega <= 2.0 * np.pi * band.top
-    weak: Mask = inside & (CHANGE_FACTOR * space.frequency_changes(modes.omega, Q) > error)
-    return weak
+    return np.asarray(inside & (CHANGE_FACTOR * space.frequency_changes(modes.omega, Q) > error))
 
 
 def _only(modes: Modes, chosen: Any) -> Modes:

@@ -51,8 +51,7 @@ def static_shapes(structure: Structure) -> Array:
     correction = solve(f - structure.K @ u)
     change = structure.P_C @ correction[:, : structure.P_C.shape[0]]
     _check_determined(structure.P_C @ u[:, : len(change)] + change, change)
-    shapes: Array = u + correction
-    return shapes
+    return np.asarray(u + correction)
 
 
 def static_solver(structure: Structure) -> Solve:
@@ -78,8 +77,7 @@ def static_solver(structure: Structure) -> Solve:
 def refined(structure: Structure, solve: Solve, f: Array) -> Array:
     """A static response with one step of refinement."""
     u = solve(f)
-    better: Array = u + solve(f - structure.K @ u)
-    return better
+    return np.asarray(u + solve(f - structure.K @ u))
 
 
 def slow_chain(structure: Structure) -> list[Array]:

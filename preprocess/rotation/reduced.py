@@ -106,13 +106,11 @@ def _energy(
         """K_w^+ P^T f, for loads (n_u, k)."""
         balanced = relieve(f, structure.U, structure.M)
         u = refined(structure, solve, balanced)
-        rest: Array = u - Psi @ ((Psi.T @ balanced) / squares[:, None])
-        return rest
+        return np.asarray(u - Psi @ ((Psi.T @ balanced) / squares[:, None]))
 
     return second.cubic(Psi), second.quartic(Psi, respond)
 
 
 def _symmetric(A: Array) -> Array:
     """A (k, n, n), of each matrix the mean with its transpose."""
-    mean: Array = 0.5 * (A + A.transpose(0, 2, 1))
-    return mean
+    return np.asarray(0.5 * (A + A.transpose(0, 2, 1)))

@@ -202,8 +202,7 @@ def condition(structure: Structure, shift: float) -> float:
 
 def shifted_product(K: Any, M: Any, shift: float, X: Array) -> Array:
     """S X with S = K + s M, in double precision."""
-    found: Array = K @ X + shift * (M @ X)
-    return found
+    return np.asarray(K @ X + shift * (M @ X))
 
 
 def _basis(structure: Structure) -> dict[str, float]:

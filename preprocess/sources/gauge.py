@@ -16,8 +16,7 @@ def unit_vector(direction: Any) -> Array:
     """A direction as a vector (3,) of length 1."""
     vector = np.asarray(direction, dtype=float)
     vector = vector / np.abs(vector).max()  # whose square is a number
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, size: float) -> Any:

@@ -27,8 +27,7 @@ class DataItems:
         values = self.values(owner)
         if values.dtype.kind not in "iu":
             raise MeshError(f"{owner.tag}: expected integers, found numbers of type {values.dtype}")
-        integers: IntArray = values.astype(np.int64, copy=False)
-        return integers
+        return np.asarray(values.astype(np.int64, copy=False))
 
     def values(self, owner: ElementTree.Element) -> Any:
         """The array of an element in its dimensions; `MeshError` if it is not there as a whole."""
