@@ -81,6 +81,7 @@ def _solved(structure: Structure, count: int) -> Array:
     first = ritz_frequencies(structure, 27)[:1]
     if not (len(first) and 0.0 < first[0] < np.inf):
         raise np.linalg.LinAlgError("no first frequency can be told from rounding")
+    # Positive definite although the body is free, and close to the modes looked for.
     s = 0.1 * (2.0 * np.pi * first[0]) ** 2
     solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
     inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
@@ -96,6 +97,7 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     z.
     """
     lower, upper = nodes.points.min(axis=0), nodes.points.max(axis=0)
+    # A flat mesh of lines would make a grid without volume.
     margin = 0.5 * np.maximum(MIN_GRID_EXTENT * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
     scaled = (nodes.points - lower) / (upper - lower)

@@ -114,6 +114,7 @@ def _side(first: IntArray, last: IntArray) -> IntArray:
 def _caps(rings: _Rings, tubes: IntArray) -> list[IntArray]:
     """Facets at the ends of the tubes (n, 2), but where one ends and another begins alone."""
     begins, ends = (np.bincount(side, minlength=tubes.max() + 1) for side in tubes.T)
+    # Where three beams meet, or two begin, each end is seen from outside.
     goes_on = (begins == 1) & (ends == 1)
     caps = []
     for first, last in tubes.tolist():

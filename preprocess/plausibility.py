@@ -154,6 +154,7 @@ def _of_material(key: str, material: Material) -> Iterator[str]:
     stiffest = float(np.max(material.E))
     if stiffest > MAX_YOUNGS_MODULUS:
         yield f"{key}.E = {stiffest:g} Pa is above that of diamond, 1.2e12: is it in other units?"
+    # The softest direction: stiff fibers alone are no sign of a wrong unit.
     E = float(np.min(material.E))
     yield from _of_sound(f"{key}.E = {E:g} Pa", float(np.sqrt(E / material.rho)))
 

@@ -80,6 +80,7 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 def _filled(points: FieldPoints, batch: Callable[[slice], Array]) -> Array:
     """Fields (p, k, m) of all points, POINTS_AT_ONCE points at a time."""
     n = len(points.nodes)
+    # The first batch tells how many modes there are, before all of the memory is taken.
     first = batch(slice(0, min(POINTS_AT_ONCE, n)))
     fields = np.empty((n, *first.shape[1:]))
     fields[:POINTS_AT_ONCE] = first

@@ -85,6 +85,7 @@ def nodal_frame(node: int, nodes: Nodes) -> Attachment:
 
 def point_frame(selection: Selection, members: IntArray, nodes: Nodes) -> Attachment:
     """A frame with six dofs that points carry; the dofs of a single point."""
+    # One point carries no moment; with a position or kind of its own a frame was meant.
     if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
         return nodal_frame(int(members[0]), nodes)
     points = nodes.points[members]
@@ -108,6 +109,7 @@ def facet_frame(
 
 def _check_spread(points: Array) -> None:
     """`InterfaceError` unless there are three points that are not on a line."""
+    # The second singular value is the extent across the line that fits best.
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if len(points) < 3 or radii[1] <= MIN_RADIUS_RATIO * radii[0]:
         raise InterfaceError(

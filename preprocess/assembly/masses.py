@@ -26,6 +26,7 @@ def lumped_mass(body: Body, interfaces: Mapping[str, Any], selected: Mapping[str
     `InterfaceError` for an inertia where nothing rotates.
     """
     n_u = next(iter(interfaces.values())).shape[1]
+    # Sparse throughout: the averaged rows of a large surface fill a dense matrix of their own.
     total = sp.csc_array((n_u, n_u))
     for name, mass in body.masses.items():
         rows = selected[name] if mass.interface is None else interfaces[mass.interface]

@@ -81,6 +81,7 @@ class Structure:
         """
         if self.channels is None:
             return self
+        # A zero row would be a load without response, and a zero column in every basis.
         rows = self.channels.rows[self.channels.deforming]
         return replace(self, P_C=sp.vstack([self.P_C, rows], format="csr"))
 
@@ -145,6 +146,7 @@ def attach(body: Body, source: Source) -> Attached:
             name: selected[name] if mass.interface is None else frames[mass.interface]
             for name, mass in body.masses.items()
         }
+        # Masses come after ties, for they may sit on nodes that follow a frame.
         nodes, T, rows = tie(source.nodes, frames)
         selected_rows = {name: frame.rows @ T for name, frame in selected.items()}
         lumped = _symmetric(lumped_mass(body, rows, selected_rows))
@@ -178,6 +180,7 @@ def assemble_on(body: Body, source: Source) -> Structure:
         M = M + attached.lumped
     for what, matrix in (("stiffness", K), ("mass", M)):
         check_size(source.name, what, largest_entry(matrix.data))
+    # From the matrix that is used, not from the geometry: both then agree to rounding.
     rigid = rigid_modes(nodes, M)
     channels = selected_channels(body, source, T)
     return Structure(

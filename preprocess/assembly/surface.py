@@ -40,6 +40,7 @@ class Surface:
 
 def surface(points: Array, patch: Patch) -> Surface:
     """The isoparametric surface of facets over the points (n_points, 3) of a mesh."""
+    # Numbers among the nodes of the surface keep N small, whatever the size of the mesh.
     nodes = np.unique(np.concatenate([facets.ravel() for facets in patch.values()]))
     pieces = [
         _piece(points[nodes], kind, np.searchsorted(nodes, facets))

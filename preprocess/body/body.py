@@ -51,6 +51,7 @@ FilePath = Annotated[Path, Field(strict=False)]
 
 
 def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
+    # A mesh passes as it is: it is large, and was checked when it was made.
     return value if isinstance(value, Mesh) else path_of(value)
 
 
@@ -114,6 +115,7 @@ class PointMass(Selection):
 
     @model_validator(mode="after")
     def _a_mass(self) -> Self:
+        # Rounding of a turned tensor may leave a tiny negative value, which is no mistake.
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
@@ -238,6 +240,7 @@ class Matrices(Table):
     @property
     def files(self) -> dict[str, Path]:
         """The paths of the files by their keys."""
+        # In the order in which messages and digests name them.
         given = {
             "stiffness": self.stiffness,
             "mass": self.mass,
@@ -364,6 +367,7 @@ class Body(Table):
     @model_validator(mode="after")
     def _losses_in_a_band(self) -> Self:
         losses, damping = self.loss_factors, self.damping
+        # Without a band a loss factor would hold at all frequencies, which no material can.
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
         if own and damping.band is None:
             raise ValueError(
@@ -442,6 +446,7 @@ class Body(Table):
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """
+        # Band, tolerance and solver belong to other methods, and would be refused with this one.
         kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
         impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
         return self.model_copy(update={"impulse": impulse})
@@ -449,6 +454,7 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
+        # Comments of the user are kept only while they describe the body that was built.
         unchanged = self._text and self._as_read == self._values()
         return self._text if unchanged else self.model_dump_json(exclude_unset=True)
 
@@ -471,6 +477,7 @@ def read_body(path: str | os.PathLike[str]) -> Body:
         body, text = read_table(path, Body)
     except InputError as error:
         raise BodyError(str(error)) from error
+    # Paths in a file start from the file, not from the folder that the command runs in.
     body = body.relative_to(Path(path).parent)
     body._text, body._as_read = text, body._values()
     return body

@@ -62,6 +62,7 @@ class Rayleigh(Table):
             raise ValueError(
                 f"frequencies: expected increasing values, found {list(self.frequencies)}"
             )
+        # A negative coefficient feeds energy into modes outside of the two frequencies.
         if min(self.coefficients) < 0.0 and self.frequencies is not None:
             low, high = self.frequencies
             assert self.ratios is not None

@@ -44,7 +44,9 @@ class Section(Table):
         more: other fields, as orientation.
         """
         b, a = sorted((width, height))
+        # Terms fall with the fifth power: thirty of them leave less than 1e-8.
         n = np.arange(1.0, 60.0, 2.0)
+        # tanh never overflows, where the usual sinh / cosh does for slender sections.
         series = np.sum(np.tanh(n * np.pi * a / (2.0 * b)) / n**5)
         torsion = a * b**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * b / a * series)
         factor = 10.0 * (1.0 + material.poisson) / (12.0 + 11.0 * material.poisson)
@@ -169,6 +171,7 @@ class Material(Table):
     def _axes_span_a_plane(self) -> Self:
         if self.axes is not None:
             one, two = (
+                # A zero axis stays zero, and then spans no plane.
                 np.array(axis) / max(np.linalg.norm(axis), np.finfo(float).tiny)
                 for axis in self.axes
             )
@@ -182,6 +185,7 @@ class Material(Table):
     def _stores_energy(self) -> Self:
         with np.errstate(divide="ignore"):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
+        # The ratio bounds what rounding would do to the inverse of the compliance.
         if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
             raise ValueError(
                 "expected E, nu and G of a positive definite elasticity matrix, found "
@@ -258,6 +262,7 @@ class Material(Table):
     def _compliance(self) -> Array:
         """S (6, 6) [1/Pa] in the axes of the material: strains from stresses."""
         E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
+        # One E and one nu: the validator has refused all else without G.
         G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
         S = np.diag(1.0 / np.concatenate([E, G[::-1]]))
         for value, i, j in zip(nu, (0, 0, 1), (1, 2, 2), strict=True):

@@ -48,6 +48,7 @@ def fit(loss_factor: float, band: tuple[float, float]) -> Fit | None:
 def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     """The amplitudes of elements of given relaxation times."""
     decades = np.log10(band[1] / band[0])
+    # Dense enough that no ripple of the loss hides between two frequencies.
     omega = 2.0 * np.pi * np.geomspace(*band, int(PER_DECADE * (1.0 + decades)))
     x = 1j * np.multiply.outer(omega, tau)
     X = x / (1.0 + x)
@@ -71,6 +72,7 @@ def _times(band: tuple[float, float], n: int, overhang: float) -> Array:
     """n times from the upper end of a band to the lower one, and so far beyond both."""
     low, high = (1.0 / (2.0 * np.pi * frequency) for frequency in band[::-1])
     first, last = low * np.exp(-overhang), high * np.exp(overhang)
+    # One element sits in the middle; times must differ, or the fit is singular.
     if n == 1 or first >= last:
         first, last = np.sqrt(low * high) * np.array([1.0, 1.0 + 1e-3 * n])
     return np.asarray(np.geomspace(first, last, n))

@@ -35,6 +35,7 @@ class Plane(Table):
 
     def holds(self, points: Array, size: float) -> Chosen:
         """|(X - point) . n| <= tolerance size"""
+        # The normal need not be a unit vector; the tolerance is then still a length.
         height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
         return np.asarray(np.abs(height) <= self.tolerance * size)
 
@@ -47,6 +48,7 @@ class Box(Table):
 
     def holds(self, points: Array, size: float) -> Chosen:
         """lower <= X <= upper, component by component"""
+        # Nodes of a plane face differ by rounding: an exact comparison would lose some of them.
         margin = self.tolerance * size
         lower, upper = np.sort(self.corners, axis=0)
         return np.asarray(((points >= lower - margin) & (points <= upper + margin)).all(axis=1))
@@ -131,6 +133,7 @@ class Selection(Table):
 
     @model_validator(mode="after")
     def _node_stands_alone(self) -> Self:
+        # The nearest node is one node, whatever else is selected: nothing could be intersected.
         others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")

@@ -20,6 +20,7 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
     `BodyError` or `MeshError` names the file that cannot be written.
     """
     path = Path(path)
+    # Only what was given: defaults may change, and a file is to stay as its author meant it.
     table = body.model_dump(exclude_unset=True, exclude_none=True)
     if isinstance(body.mesh, Mesh):
         beside = path.with_suffix(".vtu")

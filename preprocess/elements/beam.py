@@ -81,6 +81,7 @@ def lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]
             y[i] = np.array(section.orientation) / max(
                 np.linalg.norm(section.orientation), np.finfo(float).tiny
             )
+    # What is left is across the beam; nothing is left of a vector along it, which is refused.
     y -= np.einsum("ei,ei->e", x, y)[:, None] * x
     norm = np.linalg.norm(y, axis=1)
     if (parallel := np.flatnonzero(norm < 1e-6)).size:

@@ -159,6 +159,7 @@ def scalar_mass(M: Any) -> Any | None:
     M = M.tocsr()
     M_s = M[0::3, 0::3]
     parts = [[M[i::3, j::3] for j in range(3)] for i in range(3)]
+    # Lumped masses with arms, or dofs in local axes, couple directions.
     off = max(abs(parts[i][j]).max() for i in range(3) for j in range(3) if i != j)
     apart = max(abs(parts[i][i] - M_s).max() for i in range(3))
     return M_s if max(off, apart) <= 1e-10 * abs(M_s).max() else None

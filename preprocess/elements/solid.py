@@ -108,6 +108,7 @@ def check_jacobians(mesh: Mesh) -> None:
     `MeshError` names one that does not.
     """
     lowest, relative = [], []
+    # Relative to the diameter, so that the bound holds in any unit of length.
     for X, det, _ in _determinants(mesh):
         lowest.append(det.min(axis=1))
         relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)

@@ -20,6 +20,7 @@ def pressure_forces(points: Array, patch: Patch, pressure: float) -> Array:
     for kind, facets in patch.items():
         N, weights, normals = facet_shapes(points, kind, facets)
         forces = -pressure * np.einsum("kq,fqi->fki", N, normals * weights[:, None])
+        # Facets share nodes: an indexed sum would keep the last facet alone.
         np.add.at(total, facets.ravel(), forces.reshape(-1, 3))
     return total
 

@@ -54,6 +54,7 @@ def arrays(path: Path, what: str) -> Iterator[None]:
     """For reading a .npz file, whose arrays must fit into memory; errors say what was expected."""
     try:
         with zipfile.ZipFile(path) as archive:
+            # A small archive may unpack to more than the machine has; its directory says so before.
             if why := shortage(sum(entry.file_size for entry in archive.infolist())):
                 raise MatrixError(f"{what} {why}")
         yield
@@ -66,6 +67,7 @@ def arrays(path: Path, what: str) -> Iterator[None]:
 def load_rows(source: Any, **form: Any) -> Array:
     """`numpy.loadtxt` of a table (n, k), without a warning where there are no rows."""
     with warnings.catch_warnings():
+        # An empty table is an error with a message of its own, where it is used.
         warnings.simplefilter("ignore", UserWarning)
         return np.loadtxt(source, ndmin=2, **form)
 

@@ -83,6 +83,7 @@ def read_columns(path: Path, columns: str) -> Array:
     try:
         text = path.read_text(encoding="utf-8")
         first, _, rest = text.partition("\n")
+        # A heading is told by words where numbers should be; files with and without one are common.
         try:
             np.array(first.replace(",", " ").split(), dtype=float)
         except ValueError:

@@ -84,6 +84,7 @@ def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
     if not gmsh.isInitialized():
         raise MeshError("gmsh: expected a session with a meshed model, found none")
     with tempfile.TemporaryDirectory() as folder:
+        # Its file has the groups, orders and types already, which one reader knows.
         path = Path(folder) / f"{gmsh.model.getCurrent() or 'gmsh'}.msh"
         gmsh.write(str(path))
         return read_mesh(path, scale)
@@ -165,6 +166,7 @@ def _of_skfem(mesh: Any) -> Draft:
         if kind not in SOLID_TYPES:
             draft.mark_points(name, np.unique(mesh.facets[:, facets]))
             continue
+        # scikit-fem sorts the nodes of facets, and so loses which way they turn.
         corners = np.sort(mesh.facets[:, facets], axis=0).T
         cells = draft.cells[kind][mesh.f2t[0, facets]]
         for facet_kind, rows in _facets(kind, cells, corners):

@@ -83,6 +83,7 @@ def finished(source: Path, draft: Draft, scale: float) -> Mesh:
     points = _scaled(source, draft.points, scale)
     body_types = _body_types(source.name, cells, draft.lost)
     mesh = Mesh(source.name, points, cells, draft.groups, body_types, draft.labels)
+    # Reference points and construction geometry would make the stiffness singular.
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
@@ -111,6 +112,7 @@ def read_draft(path: Path) -> Draft:
     with _about(path):
         if (advice := _NO_MESH.get(path.suffix.lower())) is not None:
             raise MeshError(advice)
+        # Own readers where meshio loses groups, node numbers, or the place of an error.
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
     check_points(path, draft)
     return draft

@@ -77,6 +77,7 @@ def _build(body: Body, ranks: Ranks, stages: Stages) -> Superelement | None:
         whole = _of_first(structure, numbering)
         return superelement_of(body, source, whole, None, responses, stages)
     finally:
+        # The others are about to end: a failure from here on is told by this process alone.
         ranks.apart = True
         asked.close()
 

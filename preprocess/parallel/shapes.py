@@ -28,6 +28,7 @@ class AskedShapes(Shapes):
         assert self.ranks is not None
         assert self.starts is not None
         columns = rows.tocsc()
+        # Only the columns of a process, which are few, travel to it.
         shares = [columns[:, first:last] for first, last in pairwise(self.starts.tolist())]
         part = at(self.ranks.comm.scatter(shares), self.V)
         found = np.empty_like(part, order="C")

@@ -69,6 +69,7 @@ class _Mumps:
             self._solver.setUp()
         except PETSc.Error as error:
             raise MethodError(f"{name} ({K.shape[0]} unknowns): MUMPS: {error}") from error
+        # PETSc does not raise for these: the numbers of MUMPS say what has happened.
         code, detail = (factorization.getFactorMatrix().getMumpsInfog(k) for k in (1, 2))
         if code == -10 or code == -40:
             raise MeshError(

@@ -34,6 +34,7 @@ def held_modes(structure: Structure, held: Array, count: int, shift: float) -> H
     shift [1/s^2]: about the first elastic omega^2. What is held must leave no rigid motion.
     `MethodError` for more modes than there are, or than there is time for.
     """
+    # Displacements and rotations compare once each row has length one.
     rows = orth((held / np.linalg.norm(held, axis=1)[:, None]).T).T
     most = structure.n_u - len(rows)
     if not 1 <= count <= most:

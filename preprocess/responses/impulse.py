@@ -53,6 +53,7 @@ def impulse_responses(
     """
     stages = stages or Stages()
     impulse, damping = body.impulse, damping_of(body)
+    # Again, now with channels: before them only the interfaces were known.
     require_memory(impulse.steps, structure.P_C.shape[0])
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     method = impulse.method

@@ -41,6 +41,7 @@ def truncated_modes(request: Request, reduction: Reduction) -> Truncation:
     Where no band is found, the error is that in the narrowest one looked at.
     """
     band = replace(request.band, limit=min(request.band.limit, reduction.cutoff))
+    # The measure must be finer than what it measures.
     tolerance = REFERENCE_SHARE * request.tolerance
     better, shapes, own = _reference(replace(request, band=band, tolerance=tolerance))
     turn = _turn(request.structure, reduction.shapes, shapes) if request.fields else None

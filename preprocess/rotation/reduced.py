@@ -34,6 +34,7 @@ def reduced_rotation(
     fields = statics(structure) if second.elements.strain_energy else None
     q = _chosen(second, fields, modes, shapes, asked)
     Psi = shapes.combined(q.Y)
+    # Of interfaces and of the six changes of inertia, which respond to the same stress.
     stress = _foreshortening(second, fields, Psi, q.squares)
     n_c = len(modes.phi)
     cubic, quartic = (

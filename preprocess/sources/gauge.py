@@ -30,6 +30,7 @@ def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, s
         raise BodyError(
             f"length: expected at least {MIN_GAUGE_LENGTH * size:.3g} m, found {length:.3g}"
         )
+    # The point is the middle of a gauge, as the data sheets of gauges have it.
     middle = np.array(sensor.point)
     first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
     return _row(d / length) @ (second - first)

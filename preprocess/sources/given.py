@@ -36,6 +36,7 @@ class GivenSource:
         return self.model.nodes
 
     def matrices(self) -> tuple[Any, Any]:
+        # Matrices of a held body would simulate without complaint, and wrongly.
         check_free_body(self.model)
         K = self.model.K if self.stiffening == 1.0 else self.model.K / self.stiffening
         return K, self.model.M

@@ -86,6 +86,7 @@ class LineSource:
             return nodal_frame(nearest_node(selection, mesh.points, mesh.size), self.nodes)
         if selection.model_fields_set & {"kind", "at"}:
             raise InterfaceError("kind and at belong to facets, of which a mesh of lines has none")
+        # A frame on several nodes would need their weights, which lines do not tell.
         members = mesh_nodes(selection, mesh)
         if len(members) != 1:
             listed = [
@@ -160,4 +161,5 @@ def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:
     columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
     shape = (n_dofs, n_dofs)
     matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
+    # Sums in another order round differently on both sides of the diagonal.
     return (0.5 * (matrix + matrix.T)).tocsc()

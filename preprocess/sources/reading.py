@@ -40,11 +40,13 @@ def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
+    # A mesh in memory was scaled when it was made.
     mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
     if body.order == 2:
         mesh = quadratic(mesh)
     if mesh.body_types == LINE_CELLS:
         return LineSource(mesh, body)
+    # scikit-fem takes its time to import, and lines do without.
     from .solids import SolidSource
 
     return SolidSource(mesh, body)

@@ -86,6 +86,7 @@ class SolidSource:
     def check(self) -> None:
         """`PreprocessError` unless the elements have materials and are one free elastic body."""
         check_connected(self.mesh)
+        # Before anything expensive: a group without material is a mistake in the body file.
         _ = self.materials
         check_jacobians(self.mesh)
         check_no_mechanism(self.mesh, self.facets)
@@ -102,6 +103,7 @@ class SolidSource:
     def tensors(self, M: Any, center: Array) -> SolidTensors:
         return SolidTensors(
             self.name,
+            # The mass of solids is the same in all directions: a third of it says all.
             M[::3, ::3].tocsr(),
             self.mesh.points - center,
             self.mesh,
@@ -154,6 +156,7 @@ class SolidSource:
         if names_points(load, self.mesh):
             raise BodyError(f"group {load.group!r}: expected facets, found points")
         numbers = mesh_facets(load, self.mesh, self.facets)
+        # Within a body a pressure would push both sides, and cancel.
         if load.pressure is not None and not self.facets.boundary[numbers].all():
             raise BodyError("pressure: expected facets of the boundary, found some within the body")
         return np.unique(numbers)

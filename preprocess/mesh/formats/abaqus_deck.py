@@ -80,6 +80,7 @@ def keywords(path: Path) -> Iterator[Keyword]:
 
 def _keyword(text: str, location: str) -> Keyword:
     name, *parameters = [" ".join(item.split()) for item in text[1:].split(",")]
+    # Flags have no value, and are there by their name alone.
     pairs = [parameter.partition("=") for parameter in parameters if parameter]
     values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
     return Keyword(name.upper(), values, location)

@@ -136,6 +136,7 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                         f"{keyword.location}: no part {keyword['PART']!r} before this instance of "
                         "it"
                     )
+                # Instances may add sets and nodes to a part, which the next instance must not see.
                 part = parts[keyword["PART"].upper()].copy()
                 instances[keyword["NAME"].upper()] = _instance(part, keyword)
             case "END PART" | "END INSTANCE":
@@ -216,6 +217,7 @@ def _add_elements(part: Part, keyword: Keyword) -> int | None:
     ]
     for kind in kinds:
         k = NODES_PER_CELL[kind]
+        # Elements with many nodes go on in the next line; only their count says where they end.
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(

@@ -55,6 +55,7 @@ def _sections(data: bytes) -> dict[str, memoryview]:
     position, whole = 0, memoryview(data)
     while match := _SECTION.match(data, position):
         name = match[1]
+        # Found, not counted: binary sections may hold any bytes, but not this word by chance.
         end = data.find(b"$End" + name, match.end())
         if end < 0:
             raise MeshError(f"the file breaks off: ${name.decode()} has no $End{name.decode()}")
@@ -159,6 +160,7 @@ def _read2(
     for number, parts in blocks.items():
         kind, rows = _kind(number)[0], np.concatenate(parts)
         _, first, same = np.unique(rows[:, 1:], axis=0, return_index=True, return_inverse=True)
+        # Elements in several groups are written several times; the body has each once.
         row = np.argsort(np.argsort(first))[same.ravel()]
         draft.add(kind, _cells(kind, rows[np.sort(first), 1:], numbering))
         for tag in np.unique(rows[:, 0]):

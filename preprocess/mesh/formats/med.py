@@ -92,6 +92,7 @@ def _contents(file: Any) -> tuple[_Support, dict[str, _Support], dict[str, dict[
     """Nodes, cells by type with their nodes from 0, and the names of the groups of every family."""
     name = _only(file["ENS_MAA"], "mesh")
     mesh = file["ENS_MAA"][name]
+    # Meshes that move have one group for each time step; those of meshio have none.
     step = mesh if "NOE" in mesh else mesh[_only(mesh, "time step")]
     nodes = _support(step["NOE"], "COO", "f")
     if not 1 <= nodes.values.shape[1] <= 3:

@@ -113,6 +113,7 @@ def _add_elements(
         rows = draft.add(kind, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
         properties = np.array([number for number, _ in members])
         for number in np.unique(properties).tolist():
+            # Body files may use either: numbers survive where preprocessors drop comments.
             for name in dict.fromkeys(
                 (f"property {number}", names.get(number, f"property {number}"))
             ):
@@ -130,6 +131,7 @@ def _nodes(card: Card) -> tuple[str, list[int]]:
         kind = _PARTS[card.name]
         count = NODES_PER_CELL[kind]
     else:
+        # Trailing fields may be blank; the last one that is filled tells the order.
         filled = [field for field, text in enumerate(card.fields[2:], 1) if text]
         count, kinds = filled[-1] if filled else 0, _SOLIDS[card.name]
         if count not in kinds:

@@ -89,6 +89,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
         name, fields = _fields(text)
         if not name and not any(fields):
             continue
+        # Markers of continuations need not match: cards follow each other in the files of today.
         if not name or name[0] in "+*":
             if card is None:
                 raise MeshError(

@@ -44,6 +44,7 @@ class DataItems:
             raise MeshError(
                 f"{owner.tag}: the numbers of its DataItem cannot be read: {error}"
             ) from error
+        # HDF5 files of an interrupted run are short without being damaged.
         if not shape or values.size != prod(shape):
             raise MeshError(f"{owner.tag}: expected {shape} numbers, found {values.size}")
         return values.reshape(shape)
