@@ -35,7 +35,30 @@ STATED_PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 def assemble(body: Body) -> Structure:
     """The finite element model of a body, from its mesh or matrix files.
 
-    `PreprocessError` if the body or its files do not allow it.
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    Structure
+        With the interfaces and masses of the body, in mesh axes and SI units.
+
+    Raises
+    ------
+    PreprocessError
+        Names what the body or its files do not allow.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> structure = assemble(beam.body(step=1e-4))
+    >>> structure.n_u, structure.n_c, round(structure.rigid.mass, 3)
+    (18, 6, 1.57)
     """
     return assemble_on(body, read_source(body))
 
@@ -45,10 +68,34 @@ def build(
 ) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows on the terminal what is being done and how far it is. on_warning:
-    called with each doubt about the mesh, the step and the band (plausibility.py); told is its
-    former name.
-    `PreprocessError` if the body, its mesh or its method do not allow it.
+    Parameters
+    ----------
+    body : Body
+    progress : bool
+        Whether to show on the terminal what is being done and how far it is.
+    on_warning : callable
+        Called with each doubt about the mesh, the step and the band, as text.
+    told : callable, optional
+        The former name of on_warning.
+
+    Returns
+    -------
+    Superelement
+
+    Raises
+    ------
+    PreprocessError
+        Names what the body, its mesh or its method do not allow.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> build(beam.body(step=1e-4))
+    <Superelement 'beam': 1.57 kg, at tip, 12 modes>
     """
     require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
     with (

@@ -45,7 +45,26 @@ def refused_where_singular() -> Iterator[None]:
 
 
 def doubts_of_body(body: Body) -> Iterator[str]:
-    """Doubts about materials, sections, damping and the rotation of matrices, each by its key."""
+    """Doubts about materials, sections, damping and the rotation of matrices, each by its key.
+
+    Parameters
+    ----------
+    body : Body
+
+    Yields
+    ------
+    str
+        The key, its value and what is unlike any part, with the unit that may be wrong.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e3, nu=0.3, rho=7.85e-9)
+    >>> cube = du.Part(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]), steel)
+    >>> cube.interface("tip", (1, 0, 0))
+    >>> [doubt.split()[0] for doubt in doubts_of_body(cube.body(step=1e-4))]
+    ['material.rho', 'material.E']
+    """
     if body.material is not None:
         yield from _of_material("material", body.material)
     for key, section in _sections(body):

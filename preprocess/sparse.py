@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ..superelement.cells import IntArray
 from ..superelement.validation import Array
-from .mesh.mesh import IntArray
 
 LARGEST_INDEX = int(np.iinfo(np.int32).max)  # up to which indices take four bytes
 

@@ -23,6 +23,7 @@ import meshio
 import numpy as np
 from duhamel import preprocess, superelement
 from duhamel.preprocess.body.body import Body, Impulse, NonlinearCoordinates, RecoveredFields
+from duhamel.preprocess.mesh.mesh import Mesh
 from duhamel.preprocess.mesh.reading import read_mesh
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -48,25 +49,26 @@ METHODS: dict[str, dict[str, Any]] = {
 
 def bodies(folder: Path) -> Iterator[tuple[str, Body]]:
     """The bodies by name; files of other formats are written into the folder."""
-    for path in sorted((*ROOT.glob("meshes/*/*.toml"), *ROOT.glob("cli/starters/*/*.toml"))):
+    # Files keep the paths of meshes, which are to be the same in all trees and folders.
+    os.chdir(ROOT)
+    for path in sorted((*Path("meshes").glob("*/*.toml"), *Path("cli").glob("starters/*/*.toml"))):
         if path.stem not in (*SLOW_BODIES, "model"):
             yield f"{path.parent.name}-{path.stem}", preprocess.read_body(path)
     for name in ("beam", "solid"):
-        body = preprocess.read_body(ROOT / f"meshes/beam/{name}.toml")
+        body = preprocess.read_body(f"meshes/beam/{name}.toml")
         for method, changes in METHODS.items():
             impulse = Impulse(step=body.impulse.step, steps=50, **changes)
             yield f"{name}-{method}", body.model_copy(update={"impulse": impulse})
         nonlinear = {"rotation": NonlinearCoordinates(), "recovery": RecoveredFields()}
         yield f"{name}-rotation", body.model_copy(update=nonlinear)
-    # Files keep the paths of meshes, which are to be the same in all folders.
-    os.chdir(folder)
-    yield from in_formats(folder)
-
-
-def in_formats(folder: Path) -> Iterator[tuple[str, Body]]:
-    """One body of solids from a mesh in every format, held at the planes of its ends."""
-    body = preprocess.read_body(ROOT / "meshes/beam/solid.toml")
+    body = preprocess.read_body("meshes/beam/solid.toml")
     mesh = read_mesh(body.mesh)
+    os.chdir(folder)
+    yield from in_formats(body, mesh)
+
+
+def in_formats(body: Body, mesh: Mesh) -> Iterator[tuple[str, Body]]:
+    """A body of solids from its mesh in every format, held at the planes of its ends."""
     low, high = (float(end(mesh.points[:, 0])) for end in (np.min, np.max))
     ends = {
         name: {"plane": {"point": (x, 0.0, 0.0), "normal": (1.0, 0.0, 0.0)}}
@@ -75,7 +77,7 @@ def in_formats(folder: Path) -> Iterator[tuple[str, Body]]:
     solids = meshio.Mesh(mesh.points, list(mesh.elements.items()))
     for suffix, (form, more) in FORMATS.items():
         path = Path(f"part{suffix}")
-        meshio.write(folder / path, solids, form, **more)
+        meshio.write(path, solids, form, **more)
         table = body.model_dump(exclude_unset=True) | {"mesh": path, "interfaces": ends}
         table["impulse"] = {"step": body.impulse.step, "steps": 50}
         yield f"format{suffix.replace('.', '-')}", Body.model_validate(table)

@@ -26,21 +26,39 @@ RIGID_DOFS = 6  # dofs of a body that cannot deform
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """M u'' + K u = P_C^T p, free in space.
+    """M u'' + K u = P_C^T p, free in space, in mesh axes.
 
-    nodes: the points of the dofs; K [N/m ...] and M [kg ...] (n_u, n_u) sparse and symmetric;
-    rigid: the rigid modes about the center of mass; interfaces, and P_C (n_c, n_u) sparse: u_C =
-    P_C u, so that P_C^T p is the load of interface forces p; T (3 n, n_u) sparse: the displacements
-    of the n points of the source are T u, tied ones included. frames, masses: where interfaces and
-    masses are attached to the source, by name; a mass on an interface has its frame.
-    inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
-    rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
-    where there are none. turns (3 n, n_u): the rotations of the n points of the source,
-    None where not all of them have rotations. All in mesh axes.
-    lossy: K (n_u, n_u) of each group whose material loses energy, where loss factors differ.
-    processes: where there are several, each has its own rows of vectors (n_u, k), and its own
-    columns of P_C. solvers: what has solved with its matrices, in that order; copies with other
-    rows or loads share the list.
+    See `assemble` for an example.
+
+    Parameters
+    ----------
+    nodes : Nodes
+        The points of the dofs; of several processes, of the own ones.
+    K, M : (n_u, n_u), sparse and symmetric
+        [N/m ...] and [kg ...].
+    rigid : RigidModes
+        About the center of mass.
+    interfaces : tuple of Interface
+    P_C : (n_c, n_u), sparse
+        u_C = P_C u, so that P_C^T p is the load of interface forces p.
+    T : (3 n, n_u), sparse
+        The displacements of the n points of the source are T u, tied ones included.
+    frames, masses : mapping of str to Attachment
+        Where interfaces and masses are attached to the source; a mass on an interface has its
+        frame.
+    inertia : (n_u, 6), optional
+        F of the change d = F^T u of the moments of inertia, and so the loads of rotation; None
+        where that is not asked for.
+    channels : ChannelRows, optional
+        Rows of load patterns and sensors.
+    turns : (3 n, n_u), sparse, optional
+        The rotations of the n points of the source; None where not all of them have rotations.
+    lossy : mapping of str to (n_u, n_u)
+        K of each group whose material loses energy, where loss factors differ.
+    processes : Processes
+        Where there are several, each has its own rows of vectors (n_u, k), and columns of P_C.
+    solvers : list of str
+        What has solved with its matrices, in that order; copies with other rows share the list.
     """
 
     nodes: Nodes

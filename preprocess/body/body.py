@@ -260,6 +260,25 @@ class Body(Table):
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
     tetrahedra with nodes in the middle of their edges.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A ValueError that names each key, what was expected and what was found.
+
+    Examples
+    --------
+    The keys are those of body files; `read_body` reads one.
+
+    >>> rod = Body(
+    ...     name="rod",
+    ...     mesh="rod.msh",
+    ...     material={"E": 210e9, "nu": 0.3, "rho": 7850.0},
+    ...     interfaces={"tip": {"group": "tip"}},
+    ...     impulse={"step": 1e-5, "steps": 1000},
+    ... )
+    >>> rod.impulse.method, rod.files
+    ('auto', (PosixPath('rod.msh'),))
     """
 
     name: str
@@ -464,14 +483,38 @@ class Body(Table):
 
 
 def body_schema() -> dict[str, Any]:
-    """The JSON schema of body files, by which editors complete and check them."""
+    """The JSON schema of body files, by which editors complete and check them.
+
+    Examples
+    --------
+    >>> schema = body_schema()
+    >>> schema["title"], schema["required"]
+    ('A body file of Duhamel', ['name', 'interfaces', 'impulse'])
+    """
     return document_of(Body, "A body file of Duhamel")
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file.
+    """Read a body file, whose paths start from its folder.
 
-    `BodyError` names the file, the key, what was found and what was expected.
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    BodyError
+        Names the file, the key, what was found and what was expected.
+
+    Examples
+    --------
+    >>> read_body("no.toml")
+    Traceback (most recent call last):
+    duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
     """
     try:
         body, text = read_table(path, Body)

@@ -35,13 +35,31 @@ MIRRORED_NODES = {
 def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
     """The mesh that a path or an object of another library is.
 
-    given: a path; `(points, cells)` with points (n, 3) and cells (m, k), as an array of one type of
-    solids or lines, or by type as meshio names and orders them; a mesh of scikit-fem, whose
-    subdomains and boundaries become groups; of meshio, whose sets and arrays of integers do; an
-    unstructured grid of PyVista, whose arrays of integers do; or the module gmsh, whose present
-    model is taken as it would be saved. scale: its unit of length [m].
+    Parameters
+    ----------
+    given
+        A path; `(points, cells)` with points (n, 3) and cells (m, k), as an array of one type of
+        solids or lines, or by type as meshio names and orders them; a mesh of scikit-fem, whose
+        subdomains and boundaries become groups; of meshio, whose sets and arrays of integers do; an
+        unstructured grid of PyVista, whose arrays of integers do; or the module gmsh, whose present
+        model is taken as it would be saved.
+    scale : float [m]
+        Its unit of length.
 
-    `MeshError` says what was found, and `MeshWarning` what is left out, as of `read_mesh`.
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    MeshError
+        Says what was found. `MeshWarning` says what is left out.
+
+    Examples
+    --------
+    >>> mesh = mesh_of(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]), scale=1e-3)
+    >>> mesh.body_types, mesh.points.max()
+    (('tetra',), np.float64(0.001))
     """
     if isinstance(given, Mesh):
         return given

@@ -27,7 +27,32 @@ def read_source(body: Body) -> Source:
 
 
 def files_of(body: Body) -> tuple[Path, ...]:
-    """All files that a body is read from, with those that they name; `MeshError` as `read_mesh`."""
+    """All files that a body is read from, with those that they include.
+
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    tuple of Path
+        None of a mesh in memory.
+
+    Raises
+    ------
+    MeshError
+        Names a file that is missing or damaged.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> from duhamel.preprocess import mesh_of
+    >>> mesh = mesh_of(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]))
+    >>> part = du.Part(mesh, du.Material(E=210e9, nu=0.3, rho=7850.0))
+    >>> part.interface("tip", (1, 0, 0))
+    >>> files_of(part.body(step=1e-5))
+    ()
+    """
     if isinstance(body.mesh, Path):
         return tuple(mesh_files(body.mesh))
     if body.matrices is None:
