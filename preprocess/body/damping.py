@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, mo
 
 from ...inputs import Also, Table
 from ...superelement import Chain
-from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, as_chain, fit
+from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, fit
 
 LARGEST_LOSS = 1.0
 MAX_BAND_RATIO = 1e9  # of the ends of a band
@@ -144,7 +144,8 @@ class Damping(Table):
             return None
         found = fit(self.loss_factor, self.band)
         assert found is not None
-        return as_chain(found, self.loss_factor, self.band, self.reference)
+        ends = found.tau, found.amplitude, self.loss_factor, self.band
+        return Chain(*ends, self.reference, found.ripple)
 
 
 def check_fit(loss_factor: float, band: tuple[float, float]) -> None:

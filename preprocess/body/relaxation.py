@@ -6,7 +6,6 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import nnls
 
-from ...superelement.chain import Chain
 from ...superelement.validation import Array
 
 MAX_LOSS_RIPPLE = 0.02  # deviation of the loss factor within the band, relative to it
@@ -56,10 +55,6 @@ def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     c = 1.0 + X @ amplitude
     ripple = np.abs(c.imag / (loss_factor * c.real) - 1.0).max()
     return Fit(tau, amplitude, float(ripple))
-
-
-def as_chain(found: Fit, loss_factor: float, band: tuple[float, float], reference: float) -> Chain:
-    return Chain(found.tau, found.amplitude, loss_factor, band, reference, found.ripple)
 
 
 def stiffening(found: Fit, reference: float) -> float:

@@ -6,16 +6,16 @@ import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...files import FileError, hdf5, in_one_line, require_regular
+from ...files import hdf5, in_one_line
 from ...files.memory import shortage
 from ...superelement.validation import Array
-from ..errors import MatrixError, MeshError
+from ..errors import MatrixError, about
 from ..mesh.mesh import IntArray
 from ..mesh.numbering import is_whole
 
@@ -32,21 +32,9 @@ MATRIX_DAMAGE = (
 BYTES_AT_ONCE = 1 << 24
 
 
-@contextmanager
-def about(path: Path, what: str) -> Iterator[None]:
-    """Errors name the file, which must be a regular one."""
-    try:
-        require_regular(path)
-        yield
-    except FileNotFoundError as error:
-        raise MatrixError(f"{path}: no such file of {what}") from error
-    except MeshError:  # that name their file themselves
-        raise
-    except (MatrixError, FileError) as error:
-        text = str(error)
-        raise MatrixError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except MATRIX_DAMAGE as error:
-        raise MatrixError(f"{path}: expected {what}: {in_one_line(error)}") from error
+def about_matrices(path: Path, what: str) -> AbstractContextManager[None]:
+    """Errors name the file of `what`, which must be a regular one."""
+    return about(path, MatrixError, f"file of {what}", f"expected {what}", MATRIX_DAMAGE)
 
 
 @contextmanager

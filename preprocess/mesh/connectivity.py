@@ -66,8 +66,6 @@ def _clusters(members: Mapping[str, IntArray], n_members: int) -> tuple[int, Int
     """The number of clusters of elements that share members, and that of every element.
 
     members (n, k) by type of element, all of them used; clusters (n_elements,).
-
-    All members must be used.
     """
     n = sum(len(rows) for rows in members.values())
     element, member = _incidence(members)

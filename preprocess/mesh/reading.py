@@ -2,17 +2,16 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ...files import FileError, in_one_line, require_regular
 from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
-from ..errors import MeshError, MeshWarning
+from ..errors import MeshError, MeshWarning, about
 from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
 from .formats.abaqus_deck import abaqus_include
@@ -134,20 +133,10 @@ def files_of(path: Path) -> list[Path]:
         return [path] if found is None else found(path)
 
 
-@contextmanager
-def _about(path: Path) -> Iterator[None]:
+def _about(path: Path) -> AbstractContextManager[None]:
     """Errors name the file; whatever a reader stumbles over is damage of it."""
-    try:
-        require_regular(path)
-        yield
-    except FileNotFoundError as error:
-        raise MeshError(f"{path}: no such mesh file") from error
-    except (MeshError, FileError) as error:
-        text = str(error)
-        raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except (*DAMAGE_ERRORS, MemoryError) as error:
-        why = in_one_line(error)
-        raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
+    damage = (*DAMAGE_ERRORS, MemoryError)
+    return about(path, MeshError, "mesh file", "damaged, or more than the memory holds", damage)
 
 
 def _described(loose: Array) -> str:

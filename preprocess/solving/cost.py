@@ -110,5 +110,4 @@ def krylov_cost(
 
 
 def _entries(n_u: int) -> float:
-    entries: float = 22.0 * n_u ** (4.0 / 3.0)
-    return entries
+    return float(22.0 * n_u ** (4.0 / 3.0))

@@ -108,7 +108,7 @@ def _rslab(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve:
         raise _BackendError(str(error)) from error
     _, negative, zero = factor.inertia
     if negative or zero:
-        raise _not_definite(A, name, f"{negative} negative and {zero} zero pivots")
+        raise not_definite(A.shape[0], name, f"{negative} negative and {zero} zero pivots")
     return lambda b: factor.solve(b) if b.ndim == 1 else factor.solve_many(b)
 
 
@@ -122,7 +122,7 @@ def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve
     try:
         factor = analyze(A, mode="supernodal", ordering_method="metis").cholesky(A)
     except CholmodNotPositiveDefiniteError as error:
-        raise _not_definite(A, name, str(error)) from error
+        raise not_definite(A.shape[0], name, str(error)) from error
     except CholmodError as error:
         raise _BackendError(str(error)) from error
     return lambda b: factor.solve_A(b)
@@ -151,9 +151,10 @@ def _require(size: float, A: Any, name: str, beside: Mapping[str, float]) -> Non
     )
 
 
-def _not_definite(A: Any, name: str, found: str) -> MeshError:
+def not_definite(n_u: int, name: str, found: str) -> MeshError:
+    """The error of a matrix (n_u, n_u) that is to be positive definite."""
     return MeshError(
-        f"{name} ({A.shape[0]} unknowns): expected a positive definite matrix, found {found}: "
+        f"{name} ({n_u} unknowns): expected a positive definite matrix, found {found}: "
         "the body is a mechanism, or its material or mass is not sound"
     )
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.sensors import SensorPoint
@@ -33,10 +34,4 @@ def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, s
     # The point is the middle of a gauge, as the data sheets of gauges have it.
     middle = np.array(sensor.point)
     first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
-    return _row(d / length) @ (second - first)
-
-
-def _row(vector: Array) -> Any:
-    import scipy.sparse as sp
-
-    return sp.csr_array(vector[None])
+    return sp.csr_array((d / length)[None]) @ (second - first)
