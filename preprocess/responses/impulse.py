@@ -15,7 +15,7 @@ from .march import march_kernel
 from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
 from .search import Request, krylov_modes
 from .shapes import Shapes
-from .truncated import REDUCTIONS, TRUNCATION_ERROR, truncated_modes
+from .truncated import REDUCTION_METHODS, TRUNCATION_ERROR, truncated_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseRespo
     """Those of a number of modes, with the band in which they are right."""
     impulse, count = body.impulse, body.impulse.modes or 0
     request = replace(_request(structure, body, stages), tolerance=TRUNCATION_ERROR)
-    reduction = REDUCTIONS[impulse.method](structure, request.damping, count)
+    reduction = REDUCTION_METHODS[impulse.method](structure, request.damping, count)
     found = truncated_modes(request, reduction)
     modes = with_losses(body, structure, found.modes, found.shapes)
     scheme = request.band.scheme

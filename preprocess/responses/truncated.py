@@ -17,7 +17,7 @@ from .shapes import Shapes
 
 TRUNCATION_ERROR = 1e-2  # of the transfer function, up to which modes count as right
 REFERENCE_SHARE = 0.1  # that the modes may err by which they are measured
-REDUCTIONS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
+REDUCTION_METHODS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
     "craig-bampton": craig_bampton,
     "rubin": rubin,
 }

@@ -41,11 +41,10 @@ from .assignment import Assignment, assign
 from .gauge import stretch_rows, unit_vector
 from .solid_surface import surface_points
 
-LINEAR, QUADRATIC = 6, 4
-"""Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1,
-1 per cent.
+SOLID_NODES_PER_WAVE = (6, 4)
+"""Nodes in a wavelength, of linear and of quadratic elements: waves run too fast by (k h)^2 / 24,
+5 per cent, and by sqrt(10) / pi - 1, 1 per cent.
 """
-
 STIFF_IN_VOLUME = ("tetra", "wedge")
 """Solids that are too stiff where the material is nearly incompressible."""
 
@@ -205,7 +204,7 @@ class SolidSource:
             edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
             quadratic = nodes.shape[1] > FACET_TYPES[kind].corners
             spacing = max(spacing, float(edge) / (2 if quadratic else 1))
-        return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
+        return Resolution(shortest, spacing, SOLID_NODES_PER_WAVE[quadratic])
 
     def bending_excess(self) -> float:
         return bending_excess(self.mesh, self.materials.values, self.materials.owners)
