@@ -87,7 +87,7 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
-        element = build(body, progress=True, told=doubts.append)
+        element = build(body, progress=True, on_warning=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):

@@ -51,6 +51,7 @@ FilePath = Annotated[Path, Field(strict=False)]
 
 
 def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
+    # A mesh passes as it is: it is large, and was checked when it was made.
     return value if isinstance(value, Mesh) else path_of(value)
 
 
@@ -114,6 +115,7 @@ class PointMass(Selection):
 
     @model_validator(mode="after")
     def _a_mass(self) -> Self:
+        # Rounding of a turned tensor may leave a tiny negative value, which is no mistake.
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
@@ -123,14 +125,6 @@ class PointMass(Selection):
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
         return self
-
-    @property
-    def selection(self) -> InterfaceSelection | None:
-        """The selection on the mesh; None for a mass on an interface."""
-        if self.interface is not None:
-            return None
-        keys = set(Selection.model_fields)
-        return InterfaceSelection.model_validate(self.model_dump(include=keys, exclude_unset=True))
 
 
 class Impulse(Table):
@@ -246,6 +240,7 @@ class Matrices(Table):
     @property
     def files(self) -> dict[str, Path]:
         """The paths of the files by their keys."""
+        # In the order in which messages and digests name them.
         given = {
             "stiffness": self.stiffness,
             "mass": self.mass,
@@ -265,6 +260,25 @@ class Body(Table):
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
     tetrahedra with nodes in the middle of their edges.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A ValueError that names each key, what was expected and what was found.
+
+    Examples
+    --------
+    The keys are those of body files; `read_body` reads one.
+
+    >>> rod = Body(
+    ...     name="rod",
+    ...     mesh="rod.msh",
+    ...     material={"E": 210e9, "nu": 0.3, "rho": 7850.0},
+    ...     interfaces={"tip": {"group": "tip"}},
+    ...     impulse={"step": 1e-5, "steps": 1000},
+    ... )
+    >>> rod.impulse.method, rod.files
+    ('auto', (PosixPath('rod.msh'),))
     """
 
     name: str
@@ -304,6 +318,10 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _own_names(self) -> Self:
         if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
             raise ValueError(
                 f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
@@ -318,6 +336,10 @@ class Body(Table):
             for name in getattr(self, table):
                 if name in self.interfaces:
                     raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
+        return self
+
+    @model_validator(mode="after")
+    def _places_that_are_there(self) -> Self:
         if self.loads and self.matrices is not None:
             raise ValueError(
                 "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"
@@ -364,6 +386,7 @@ class Body(Table):
     @model_validator(mode="after")
     def _losses_in_a_band(self) -> Self:
         losses, damping = self.loss_factors, self.damping
+        # Without a band a loss factor would hold at all frequencies, which no material can.
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
         if own and damping.band is None:
             raise ValueError(
@@ -442,6 +465,7 @@ class Body(Table):
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """
+        # Band, tolerance and solver belong to other methods, and would be refused with this one.
         kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
         impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
         return self.model_copy(update={"impulse": impulse})
@@ -449,6 +473,7 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
+        # Comments of the user are kept only while they describe the body that was built.
         unchanged = self._text and self._as_read == self._values()
         return self._text if unchanged else self.model_dump_json(exclude_unset=True)
 
@@ -458,19 +483,44 @@ class Body(Table):
 
 
 def body_schema() -> dict[str, Any]:
-    """The JSON schema of body files, by which editors complete and check them."""
+    """The JSON schema of body files, by which editors complete and check them.
+
+    Examples
+    --------
+    >>> schema = body_schema()
+    >>> schema["title"], schema["required"]
+    ('A body file of Duhamel', ['name', 'interfaces', 'impulse'])
+    """
     return document_of(Body, "A body file of Duhamel")
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file.
+    """Read a body file, whose paths start from its folder.
 
-    `BodyError` names the file, the key, what was found and what was expected.
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    BodyError
+        Names the file, the key, what was found and what was expected.
+
+    Examples
+    --------
+    >>> read_body("no.toml")
+    Traceback (most recent call last):
+    duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
     """
     try:
         body, text = read_table(path, Body)
     except InputError as error:
         raise BodyError(str(error)) from error
+    # Paths in a file start from the file, not from the folder that the command runs in.
     body = body.relative_to(Path(path).parent)
     body._text, body._as_read = text, body._values()
     return body

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, mo
 
 from ...inputs import Also, Table
 from ...superelement import Chain
-from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, as_chain, fit
+from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, fit
 
 LARGEST_LOSS = 1.0
 MAX_BAND_RATIO = 1e9  # of the ends of a band
@@ -62,6 +62,7 @@ class Rayleigh(Table):
             raise ValueError(
                 f"frequencies: expected increasing values, found {list(self.frequencies)}"
             )
+        # A negative coefficient feeds energy into modes outside of the two frequencies.
         if min(self.coefficients) < 0.0 and self.frequencies is not None:
             low, high = self.frequencies
             assert self.ratios is not None
@@ -143,7 +144,8 @@ class Damping(Table):
             return None
         found = fit(self.loss_factor, self.band)
         assert found is not None
-        return as_chain(found, self.loss_factor, self.band, self.reference)
+        ends = found.tau, found.amplitude, self.loss_factor, self.band
+        return Chain(*ends, self.reference, found.ripple)
 
 
 def check_fit(loss_factor: float, band: tuple[float, float]) -> None:

@@ -47,6 +47,7 @@ class LoadPattern(Selection):
                 f"{self.kind}: expected what it acts on: group, plane, box, sphere or cylinder, "
                 "found none"
             )
+        # Shapes select facets or nodes; which elements lie in one would be a matter of taste.
         if self.kind not in ("pressure", "traction") and self.shapes:
             raise ValueError(
                 f"{self.kind}: expected a group of elements, or none for the whole body, found "

@@ -44,7 +44,9 @@ class Section(Table):
         more: other fields, as orientation.
         """
         b, a = sorted((width, height))
+        # Terms fall with the fifth power: thirty of them leave less than 1e-8.
         n = np.arange(1.0, 60.0, 2.0)
+        # tanh never overflows, where the usual sinh / cosh does for slender sections.
         series = np.sum(np.tanh(n * np.pi * a / (2.0 * b)) / n**5)
         torsion = a * b**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * b / a * series)
         factor = 10.0 * (1.0 + material.poisson) / (12.0 + 11.0 * material.poisson)
@@ -169,6 +171,7 @@ class Material(Table):
     def _axes_span_a_plane(self) -> Self:
         if self.axes is not None:
             one, two = (
+                # A zero axis stays zero, and then spans no plane.
                 np.array(axis) / max(np.linalg.norm(axis), np.finfo(float).tiny)
                 for axis in self.axes
             )
@@ -182,6 +185,7 @@ class Material(Table):
     def _stores_energy(self) -> Self:
         with np.errstate(divide="ignore"):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
+        # The ratio bounds what rounding would do to the inverse of the compliance.
         if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
             raise ValueError(
                 "expected E, nu and G of a positive definite elasticity matrix, found "
@@ -224,16 +228,14 @@ class Material(Table):
     def elasticity(self) -> Array:
         """C (6, 6) [Pa] in mesh axes, in the order of `STRESS_ORDER`: stresses = C strains."""
         i, j = np.array(STRESS_ORDER).T
-        C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
-        return C
+        return np.asarray(self.elasticity_tensor[i[:, None], j[:, None], i, j])
 
     @property
     def elasticity_tensor(self) -> Array:
         """C (3, 3, 3, 3) [Pa] in mesh axes: sigma_ij = C_ijkl epsilon_kl."""
         C = np.linalg.inv(self._compliance)[_PLACE[:, :, None, None], _PLACE]
         R = self._directions
-        turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
-        return turned
+        return np.asarray(np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True))
 
     @property
     def nearly_incompressible(self) -> bool:
@@ -260,6 +262,7 @@ class Material(Table):
     def _compliance(self) -> Array:
         """S (6, 6) [1/Pa] in the axes of the material: strains from stresses."""
         E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
+        # One E and one nu: the validator has refused all else without G.
         G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
         S = np.diag(1.0 / np.concatenate([E, G[::-1]]))
         for value, i, j in zip(nu, (0, 0, 1), (1, 2, 2), strict=True):
@@ -273,5 +276,4 @@ class Material(Table):
             return np.eye(3)
         one, third = np.array(self.axes[0]), np.cross(*self.axes)
         rows = np.array([one, np.cross(third, one), third])
-        unit: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
-        return unit
+        return np.asarray(rows / np.linalg.norm(rows, axis=1)[:, None])

@@ -35,9 +35,9 @@ class Plane(Table):
 
     def holds(self, points: Array, size: float) -> Chosen:
         """|(X - point) . n| <= tolerance size"""
+        # The normal need not be a unit vector; the tolerance is then still a length.
         height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
-        near: Chosen = np.abs(height) <= self.tolerance * size
-        return near
+        return np.asarray(np.abs(height) <= self.tolerance * size)
 
 
 class Box(Table):
@@ -48,10 +48,10 @@ class Box(Table):
 
     def holds(self, points: Array, size: float) -> Chosen:
         """lower <= X <= upper, component by component"""
+        # Nodes of a plane face differ by rounding: an exact comparison would lose some of them.
         margin = self.tolerance * size
         lower, upper = np.sort(self.corners, axis=0)
-        inside: Chosen = ((points >= lower - margin) & (points <= upper + margin)).all(axis=1)
-        return inside
+        return np.asarray(((points >= lower - margin) & (points <= upper + margin)).all(axis=1))
 
 
 class Sphere(Table):
@@ -133,6 +133,7 @@ class Selection(Table):
 
     @model_validator(mode="after")
     def _node_stands_alone(self) -> Self:
+        # The nearest node is one node, whatever else is selected: nothing could be intersected.
         others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
@@ -168,6 +169,11 @@ class Selection(Table):
         }
         return {key: shape for key, shape in shapes.items() if shape is not None}
 
+    @property
+    def rigid(self) -> bool:
+        """Whether what is selected follows its frame as one piece; else the frame follows it."""
+        return False
+
     def holds(self, points: Array, size: float) -> Chosen:
         """True (n,) for the points (n, 3) inside all of the shapes; all points without shapes."""
         inside = np.ones(len(points), dtype=np.bool_)
@@ -199,3 +205,7 @@ class InterfaceSelection(Selection):
                 "found none"
             )
         return self
+
+    @property
+    def rigid(self) -> bool:
+        return self.kind == "rigid"

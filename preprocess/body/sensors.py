@@ -28,6 +28,7 @@ class SensorPoint(Table):
             raise ValueError("direction: expected a vector that is not zero")
         if self.length is not None and self.direction is None:
             raise ValueError("length: a strain gauge needs a direction, found none")
+        # Negated, so that a value that is no number is refused as well.
         if self.length is not None and not self.length > 0.0:
             raise ValueError(f"length: expected a positive number, found {self.length}")
         return self
