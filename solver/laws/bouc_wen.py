@@ -36,9 +36,9 @@ class BoucWenLaw(ForceLaw):
         f = post_yield k c + (1 - post_yield) k D z
         D z' = c' (1 - |z|^n (gamma + beta sgn(c' z)))
 
-    The virgin state has z = 0, and |z| < 1. Stored: post_yield k c^2 / 2 + (1 - post_yield) k D^2 z^2
-    / 2. The rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over time,
-    is dissipated, and never negative as |gamma| <= beta.
+    The virgin state has z = 0, and |z| < 1. Stored: post_yield k c^2 / 2 + (1 - post_yield) k D^2
+    z^2 / 2. The rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over
+    time, is dissipated, and never negative as |gamma| <= beta.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ class BoucWenLaw(ForceLaw):
     exponent : float
         n: 1 (round) or more (towards a corner).
     beta : float
-        0.5 where unloading is elastic, more for slimmer loops. gamma is 1 - beta; A of the literature
-        is 1, for other values are those of other k and D.
+        0.5 where unloading is elastic, more for slimmer loops. gamma is 1 - beta; A of the
+        literature is 1, for other values are those of other k and D.
 
     Examples
     --------

@@ -33,9 +33,9 @@ def check_law(
     Raises
     ------
     ModelError
-        For derivatives that are not those of the force, for a law without memory whose stored energy
-        is not the work of its force at rest, and for one that gives another force after it has
-        remembered. See `UserLaw` for an example.
+        For derivatives that are not those of the force, for a law without memory whose stored
+        energy is not the work of its force at rest, and for one that gives another force after it
+        has remembered. See `UserLaw` for an example.
     """
     largest = max(map(abs, deformations), default=0.0)
     for c, rate in product(deformations, rates):

@@ -42,8 +42,8 @@ NO_LAW = -1
 class ForceLaw(Entry):
     """A law of one coordinate: force, slopes and energy by deformation and rate.
 
-    To add a law of your own, write a class as the head of solver/laws/law.py shows, or use `UserLaw`
-    from Python alone.
+    To add a law of your own, write a class as the head of solver/laws/law.py shows, or use
+    `UserLaw` from Python alone.
 
     Examples
     --------

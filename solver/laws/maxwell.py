@@ -16,10 +16,10 @@ MAX_SERIES_TIME = 1e-3
 class MaxwellLaw(ForceLaw):
     """Springs in series with dampers, side by side: f = sum f_i, f_i' = k_i c' - f_i / tau_i.
 
-    The static stiffness is that of the spring that has the law: at the frequency omega both together
-    have the dynamic stiffness k + sum k_i i omega tau_i / (1 + i omega tau_i). Exact where the
-    deformation is linear over a step; sum f_i^2 / (2 k_i) is stored. At the start all branches are
-    relaxed.
+    The static stiffness is that of the spring that has the law: at the frequency omega both
+    together have the dynamic stiffness k + sum k_i i omega tau_i / (1 + i omega tau_i). Exact where
+    the deformation is linear over a step; sum f_i^2 / (2 k_i) is stored. At the start all branches
+    are relaxed.
 
     Parameters
     ----------

@@ -15,8 +15,8 @@ from .law import Evaluation, ForceLaw, force_law
 class TabulatedLaw(ForceLaw):
     """Force over deformation, linear between the points, and beyond the last ones.
 
-    The stored energy is 0 at the deformation without force that is nearest to rest, or at rest where
-    there is none.
+    The stored energy is 0 at the deformation without force that is nearest to rest, or at rest
+    where there is none.
 
     Parameters
     ----------

@@ -61,17 +61,17 @@ class UserLaw(ForceLaw):
     Parameters
     ----------
     function : callable
-        function(parameters, memory, h, c, rate): of the parameters (an array), the memory (an array),
-        the time h [s] since the memory was set, the deformation c and its rate. It returns the force
-        that resists, its derivatives by c and by rate, and the stored energy [J]. At the start h is
-        infinite: the law has always been at rest.
+        function(parameters, memory, h, c, rate): of the parameters (an array), the memory (an
+        array), the time h [s] since the memory was set, the deformation c and its rate. It returns
+        the force that resists, its derivatives by c and by rate, and the stored energy [J]. At the
+        start h is infinite: the law has always been at rest.
     numbers : sequence of float
         The parameters.
     memory : sequence of float
         What the law remembers before the start.
     update : callable, optional
-        Of the same arguments: it sets `memory` to that at the end of a step and returns nothing. Then
-        `function` must give the same force with h = 0 at the same c.
+        Of the same arguments: it sets `memory` to that at the end of a step and returns nothing.
+        Then `function` must give the same force with h = 0 at the same c.
 
     Examples
     --------

@@ -16,10 +16,15 @@ from .outputs import Observation, observe
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """Amplitudes of outputs per unit of inputs.
+    """Amplitudes of outputs per unit of inputs. See `linearize` for an example.
 
-    frequencies (n,) [Hz]; values (n, n_out, n_in) complex; names and units of both: a vector has a
-    name for each component.
+    Parameters
+    ----------
+    frequencies : (n,) [Hz]
+    values : (n, n_out, n_in) complex
+    outputs, inputs : tuple of str
+        A vector has a name for each component.
+    units, input_units : tuple of str
     """
 
     frequencies: Array

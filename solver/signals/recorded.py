@@ -98,8 +98,8 @@ class Recorded(_Recorded, Entry):
     Parameters
     ----------
     file : path
-        Its columns are separated by commas, semicolons, tabs or blanks. The first line may name them;
-        # begins a comment.
+        Its columns are separated by commas, semicolons, tabs or blanks. The first line may name
+        them; # begins a comment.
     column : str or int
         A name, or a number from 1 on.
     scale : float
