@@ -141,6 +141,7 @@ def _unloading(n: float, kappa: float, end: float, start: float) -> float:
     """The change that takes |w| from start to end: integral of 1 / (1 + kappa u^n)."""
     if kappa == 0.0:
         return start - end
+    # The integral is elementary only here, and for the exponent that most users take.
     if n == 1.0:
         return math.log((1.0 + kappa * start) / (1.0 + kappa * end)) / kappa
     total = 0.0
@@ -155,6 +156,7 @@ def _load(n: float, w: float, change: float) -> float:
     """w >= 0 after a change: in t = -log(1 - w), whose derivative is between 1 and n."""
     if w >= 1.0:
         return w
+    # In t the approach to w = 1 is nearly a straight line, which steps follow without overshooting.
     t = -math.log(1.0 - w)
     while n != 1.0 and change > 0.0 and t < SATURATION_LIMIT:
         step = min(change, 1.0 / (STEPS_PER_YIELD * n))

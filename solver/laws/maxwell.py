@@ -89,6 +89,7 @@ def _branch(parameters: Array, memory: Array, i: int, h: float, c: float) -> tup
 @compiled
 def _mean_decay(x: float, decay: float) -> float:
     """(1 - exp(-x)) / x, the mean of exp(-x s) for s from 0 to 1."""
+    # For small x the difference 1 - exp(-x) loses its digits.
     if x > MAX_SERIES_TIME:
         return (1.0 - decay) / x
     return 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)))
