@@ -129,7 +129,7 @@ class Simulator:
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
-                raise ModelError("start: a Simulator goes on from recursive history alone")
+                raise ModelError("start: a Simulator continues a run only with recursive history")
             check_names(lowered, outputs)
             initial = initialize(model, lowered, source)
             lowered, state = initial.lowered, initial.state
@@ -212,7 +212,7 @@ class Simulator:
             self._recording.keep(self._number, self._output)
         self._contacts.n_events[0] = 0
         if self._has_ended:
-            raise ModelError("step: the results have been ended by finish")
+            raise ModelError("step: finish has already ended the results")
         if number > self._n_steps:
             t_end = self._lowered.model.settings.t_end
             raise ModelError(f"t_end = {t_end:.9g} s has been reached")

@@ -191,7 +191,7 @@ class Contact(Entry, Coupling):
                 given, missing = missing, given
             raise self.error(f"{missing}: needed with {given}")
         if self.tangential_damping is not None and self.friction is None:
-            raise self.error("tangential_damping: belongs to friction, got none")
+            raise self.error("tangential_damping: expected with friction, found no friction")
 
     def law(self) -> ContactLaw:
         """The law of the gap."""
@@ -364,7 +364,7 @@ class Contact(Entry, Coupling):
         if len(points) < 4:
             raise self.error(f"points: expected four or more, got {len(points)}")
         if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
-            raise self.error("points: expected each apart from the next")
+            raise self.error("points: expected different neighbors, found equal ones")
         if self.hertz is not None:
             raise self.error("hertz: a profile has no radius: expected stiffness or law")
 
@@ -383,7 +383,7 @@ class Contact(Entry, Coupling):
         if len(self.patch) != 2 or min(self.patch) < 0.0:
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
-            raise self.error("patch: belongs to hertz, got none")
+            raise self.error("patch: expected with hertz, found no hertz")
 
 
 def _pieces(points: Array) -> list[float]:

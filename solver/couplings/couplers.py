@@ -93,7 +93,9 @@ class Coupler(Entry):
             needs, found = " or ".join(KEYS_OF_TYPE[self.type]), " and ".join(given) or "none"
             raise self.error(f"a {self.type} coupler takes {needs}, found {found}")
         if self.offset is not None and is_any(self.offset, Input):
-            raise self.error("offset: takes no input of a Simulator: let one drive a joint")
+            raise self.error(
+                "offset: expected a signal known before the run: let the input drive a joint"
+            )
         if self.internal and self.type != "gear":
             raise self.error(f"internal belongs to gears, found type = {self.type!r}")
         if self.type != "linear" and len(self.joints) != 2:

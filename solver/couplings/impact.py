@@ -80,7 +80,7 @@ class Impact(Entry):
         if self.damping > 0.0 and self.restitution < 1.0:
             raise self.error("expected restitution or damping, got both")
         if self.exponent is not None and self.stiffness is None:
-            raise self.error("exponent: belongs to a stiffness, got none")
+            raise self.error("exponent: expected with stiffness, found no stiffness")
         # Below 1 the stiffness at first touch is infinite.
         if self.exponent is not None and self.exponent < 1.0:
             raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")

@@ -88,7 +88,9 @@ class Spherical(Joint):
         super().validate()
         for key in ("rotation_vector", "cardan_angles"):
             if any(is_any(signal, Input) for signal in getattr(self, key) or ()):
-                raise self.error(f"{key}: takes no input of a Simulator: prescribe it beforehand")
+                raise self.error(
+                    f"{key}: expected a signal known before the run, got an input of a Simulator"
+                )
         if self.rotation_vector is not None and self.cardan_angles is not None:
             raise self.error("a spherical joint follows rotation_vector or cardan_angles, got both")
 

@@ -148,7 +148,7 @@ class Motor(Entry):
         if self.damping == 0.0:
             raise self.error("reference_rate: needs damping, found none")
         if self.reference is None and (self.stiffness > 0.0 or self.integral > 0.0):
-            raise self.error("reference_rate: needs the reference that it is the rate of")
+            raise self.error("reference_rate: needs reference, found none")
 
     def _check_limit(self) -> None:
         if self.speed is not None:
@@ -163,7 +163,7 @@ class Motor(Entry):
             raise self.error("tracking_time: needs integral and limit")
         alone = self.stiffness == 0.0 and self.damping == 0.0
         if winds_up and alone and self.tracking_time is None:
-            raise self.error("tracking_time: integral alone, with a limit, needs one")
+            raise self.error("tracking_time: required with a limit and integral alone")
 
 
 @dataclass(frozen=True)

@@ -216,7 +216,7 @@ class Spring(Entry, Coupling):
     def _check_second_axis(self) -> None:
         if self.second_axis is None:
             return
-        takes = "one beside axis" if self.kind.axis == "optional" else "none"
+        takes = "one only with axis" if self.kind.axis == "optional" else "none"
         if self.axis is None or takes == "none":
             got = plain(self.second_axis)
             raise self.error(f"second_axis: a {self.type} spring takes {takes}, got {got}")

@@ -79,8 +79,8 @@ class TabulatedDamperLaw(ForceLaw):
                 )
         if self.force[1] < self.force[0] or self.force[-1] < self.force[-2]:
             raise self.error(
-                "force: expected one that does not fall beyond the last points, where the curve "
-                f"goes on, got {list(self.force)}"
+                "force: must not fall beyond the last points, where the curve is "
+                f"extrapolated, got {list(self.force)}"
             )
 
     def parameters(self) -> Sequence[float]:

@@ -91,7 +91,7 @@ class UserLaw(ForceLaw):
 
     def validate(self) -> None:
         if bool(self.memory) != (self.update is not None):
-            raise self.error("memory: a law with a memory needs an update of it, and no other does")
+            raise self.error("memory: expected memory and update together, found one of them")
         for name, function in (("function", self.function), ("update", self.update)):
             try:
                 self._address(function)

@@ -86,8 +86,7 @@ def amplitudes(equations: Equations, observation: Observation, forces: Forcing, 
     if not factors.conditioned:
         at = f"{abs(s) / (2.0 * np.pi):.6g} Hz"
         raise ModelError(
-            f"no response at {at}: the model resonates without damping, or moves where nothing "
-            "resists"
+            f"no finite response at {at}: an undamped resonance, or a motion that nothing resists"
         )
     return observed(factors, observation, forces)
 

@@ -323,7 +323,8 @@ def _subspace(form: FirstOrder, n: int | None) -> Subspace:
             return found
     if form.n > MAX_DENSE_STATES:
         raise ModelError(
-            f"{form.n} states: expected at most {MAX_DENSE_STATES} to find all modes, ask for fewer"
+            f"{form.n} states: expected at most {MAX_DENSE_STATES} to find all modes: request "
+            "fewer modes"
         )
     return Subspace(form.sigma, None, form.matrix)
 

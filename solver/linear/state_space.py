@@ -68,8 +68,8 @@ def state_space_of(
     for channel in inputs:
         if channel.drives:
             raise ModelError(
-                f"{channel.name}: a drive moves its joint at once: state space takes loads, "
-                "frequency responses take drives"
+                f"{channel.name}: a drive cannot be an input of a state space: use a load, "
+                "or a frequency response"
             )
     if form.n > MAX_DENSE_STATES:
         raise ModelError(f"{form.n} states: expected at most {MAX_DENSE_STATES} for a state space")

@@ -350,7 +350,7 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if isinstance(body, RigidBody):
         return table_in_file(body)
     if not body.source:
-        raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
+        raise ModelError(f"body {name!r}: its superelement is not in a file: write it to one first")
     chosen: dict[str, Any] = {}
     if isinstance(body, RigidSuperelement):
         chosen = {"rigid": True}

@@ -174,7 +174,7 @@ class Drag(Load):
 
     def validate(self) -> None:
         if self.quadratic == 0.0 and self.linear == 0.0:
-            raise self.error("expected quadratic or linear of more than 0, found none")
+            raise self.error("expected quadratic or linear greater than 0, found neither")
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -236,7 +236,7 @@ class Model(Entry):
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():
                     raise ModelError(
-                        f"body {name!r}: {key}: start = 'equilibrium' allows none but "
+                        f"body {name!r}: {key}: start = 'equilibrium' takes no velocity but "
                         f"steady_rotation, got {velocity.tolist()}"
                     )
         for joint in self.joints:

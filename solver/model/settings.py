@@ -208,6 +208,6 @@ class Settings(Entry):
             raise self.error("steady_rotation: needs start = 'equilibrium'")
         if self.contact_step is not None and self.history not in ("auto", "recursive"):
             raise self.error(
-                "contact_step: needs recursive history, by modes, which hold for any step; "
+                "contact_step: needs recursive history, as only modes serve two sizes of steps; "
                 f"got history = {self.history!r}"
             )
