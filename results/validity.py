@@ -326,7 +326,7 @@ _CRITERIA_IN_ORDER = (
         1e-2,
         1e-1,
         "take a smaller step, or rho_inf nearer to 1",
-        measures="what time stepping took from the modes, over the energy that moves",
+        measures="energy that time stepping dissipates in the modes, over the energy that moves",
     ),
     Criterion(
         "joint_opening",

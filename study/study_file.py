@@ -50,7 +50,9 @@ class _StudyFile(Table):
 
 @dataclass(frozen=True)
 class Study:
-    """A base file, the cases that vary it, and their outputs; `read_study` reads it from a file.
+    """A base file, the cases that vary it, and their outputs.
+
+    `read_study` reads it from a file. See `sweep` for an example.
 
     Parameters
     ----------

@@ -100,7 +100,9 @@ def _whole(path: Path) -> io.BytesIO:
     # Checked before HDF5 sees the file, whose library may crash on damaged ones.
     image, digest = content[:-STATE_DIGEST_BYTES], content[-STATE_DIGEST_BYTES:]
     if hashlib.sha256(image).digest() != digest:
-        raise StateError("damaged, or no state: the digest at its end is not that of its contents")
+        raise StateError(
+            "damaged, or not a state: the checksum at its end does not match its contents"
+        )
     return io.BytesIO(image)
 
 

@@ -40,7 +40,17 @@ NO_LAW = -1
 
 
 class ForceLaw(Entry):
-    """A law of one coordinate: force, slopes and energy by deformation and rate."""
+    """A law of one coordinate: force, slopes and energy by deformation and rate.
+
+    To add a law of your own, write a class as the head of solver/laws/law.py shows, or use
+    `UserLaw` from Python alone.
+
+    Examples
+    --------
+    >>> from duhamel.solver import DamperLaw
+    >>> isinstance(DamperLaw(1.0, 1.0), ForceLaw)
+    True
+    """
 
     number: ClassVar[int] = NO_LAW
     """the number of the law in compiled code"""

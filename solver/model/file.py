@@ -170,7 +170,17 @@ ENTRY_FAMILIES = SIGNAL_FORMS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVAL_FORMS
 
 
 def model_schema() -> dict[str, Any]:
-    """The JSON schema of model files, by which editors complete and check them."""
+    """The JSON schema of model files, by which editors complete and check them.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> model_schema()["title"]
+    'A model file of Duhamel'
+    """
     tables = {family: tables_of(family) for family in ENTRY_FAMILIES}
     families = {family.title: definition(family, own) for family, own in tables.items()}
     members = [table for own in tables.values() for table in own.values()]
@@ -180,8 +190,19 @@ def model_schema() -> dict[str, Any]:
 def read_model(path: str | os.PathLike[str]) -> Model:
     """Read a model file and the superelements that it names.
 
-    Paths of superelements are relative to the model file. A superelement named by several bodies is
-    read once. ModelError names the file, the key and the value found there.
+    Parameters
+    ----------
+    path : path
+        Paths of superelements are relative to it. One that several bodies name is read once.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ModelError
+        Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
     try:
@@ -200,10 +221,29 @@ def write_model(path: AnyPath, model: Model, /) -> None: ...
 def write_model(model: Any, path: Any, /) -> None:
     """Write a model as a file that reads back to an equal one; it appears whole or not at all.
 
-    `write_model(path, model)` is understood too. Superelements, and the run that it starts from,
-    are named by their paths, relative to the new file. ModelError names a body whose superelement
-    is in no file, a load, joint, motion or motor that follows a Python function, and a file that
-    cannot be written.
+    `write_model(path, model)` is understood too.
+
+    Parameters
+    ----------
+    model : Model
+    path : path
+        Superelements, and the run that the model starts from, are named by paths relative to it.
+
+    Raises
+    ------
+    ModelError
+        Names a body whose superelement is in no file; a load, joint, motion or motor that follows a
+        Python function; or a file that cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> model = Model({"ball": RigidBody(1.0, [0.1] * 3)}, settings=Settings(t_end=1.0, step=0.1))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_model(model, f"{folder}/ball.toml")
+    ...     read_model(f"{folder}/ball.toml").bodies["ball"].mass
+    1.0
     """
     model, path = object_and_path(model, path)
     path = Path(path)
@@ -310,7 +350,7 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if isinstance(body, RigidBody):
         return table_in_file(body)
     if not body.source:
-        raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
+        raise ModelError(f"body {name!r}: its superelement is not in a file: write it to one first")
     chosen: dict[str, Any] = {}
     if isinstance(body, RigidSuperelement):
         chosen = {"rigid": True}

@@ -30,14 +30,36 @@ Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, and what is between them.
-
-    That is joints, springs, motions, loads, contacts, stops, motors and couplers.
+    """A mechanism: bodies by name, and what acts between them.
 
     Couplings without a name are numbered, as "revolute 2", the second revolute joint.
-    gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
-    settings: how to integrate its motion, by default for one second; source, path: the text of the
-    model file and its name, if there is one.
+
+    Parameters
+    ----------
+    bodies : mapping of RigidBody, FlexibleBody or RigidSuperelement
+        By name.
+    joints, loads, springs, motions, contacts, stops, motors, couplers : sequence
+    gravity : (3,) [m/s^2]
+        The acceleration of a free body.
+    ground_frames : mapping of Frame
+        Frames fixed in space, by name: "ground.NAME".
+    settings : Settings
+        How to integrate the motion, by default for one second.
+    source, path : str
+        The text of the model file and its name, if there is one.
+
+    Raises
+    ------
+    ModelError
+        For names that do not fit each other.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Revolute, RigidBody
+    >>> arm = RigidBody(1.0, [0.1, 0.1, 0.1], {"pin": [0.0, 0.0, 0.5]})
+    >>> model = Model({"arm": arm}, joints=[Revolute("ground", "arm.pin", axis=[0.0, 1.0, 0.0])])
+    >>> [joint.name for joint in model.joints]
+    ['revolute 1']
     """
 
     bodies: Mapping[str, Body]
@@ -214,7 +236,7 @@ class Model(Entry):
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():
                     raise ModelError(
-                        f"body {name!r}: {key}: start = 'equilibrium' allows none but "
+                        f"body {name!r}: {key}: start = 'equilibrium' takes no velocity but "
                         f"steady_rotation, got {velocity.tolist()}"
                     )
         for joint in self.joints:

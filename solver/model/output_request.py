@@ -14,10 +14,21 @@ ALWAYS_RECORDED = "solver"
 class OutputRequest(Entry):
     """The steps and quantities that a run records.
 
-    every: one step in so many, besides the first and the last; quantities: by default all. They
-    are groups of results: "bodies", "frames/beam.tip", "joints/pivot", "springs", "energy",
-    "momentum". Times and the iterations of Newton's method are recorded always.
-    Energies and momenta are summed over every step, recorded or not.
+    Times and the iterations of Newton's method are always recorded. Energies and momenta are summed
+    over every step, recorded or not.
+
+    Parameters
+    ----------
+    every : int
+        One step in so many, besides the first and the last.
+    quantities : sequence of str, optional
+        Groups of results, by default all: "bodies", "frames/beam.tip", "joints/pivot", "springs",
+        "energy", "momentum".
+
+    Examples
+    --------
+    >>> OutputRequest(every=10, quantities=["bodies"]).every
+    10
     """
 
     label = "output"

@@ -10,7 +10,14 @@ AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
 
 
 class Kinds(dict[str, Any]):
-    """The classes of entries that stand in one array of tables, by its key `type`."""
+    """The classes of entries that share one array of tables, by the value of its key `type`.
+
+    Examples
+    --------
+    >>> from duhamel.solver import JOINTS, LOADS
+    >>> JOINTS["revolute"].__name__, sorted(LOADS)
+    ('Revolute', ['drag', 'force', 'pattern', 'torque'])
+    """
 
     def in_files(self, tag: str) -> Callable[[AnyEntryType], AnyEntryType]:
         """Make an entry known to model files: a table with type = tag."""

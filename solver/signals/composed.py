@@ -84,7 +84,18 @@ class _Composed(Smooth, Averaged):
 @SIGNAL_FORMS.in_files("sum")
 @entry(eq=True)
 class Sum(_Composed, Entry):
-    """The sum of signals."""
+    """The sum of signals.
+
+    Parameters
+    ----------
+    signals : sequence of signals
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant, Polynomial
+    >>> Sum([Constant(1.0), Polynomial([0.0, 2.0])])(3.0)
+    7.0
+    """
 
     signals: Annotated[Parts, NameInFile("sum")]
 
@@ -117,7 +128,18 @@ class Sum(_Composed, Entry):
 @SIGNAL_FORMS.in_files("product")
 @entry(eq=True)
 class Product(_Composed, Entry):
-    """The product of signals, as of one and a window, or a number."""
+    """The product of signals, as of one and a window.
+
+    Parameters
+    ----------
+    signals : sequence of signals
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant, Polynomial
+    >>> Product([Constant(3.0), Polynomial([0.0, 2.0])])(1.0)
+    6.0
+    """
 
     signals: Annotated[Parts, NameInFile("product")]
 
@@ -157,7 +179,20 @@ class Product(_Composed, Entry):
 @SIGNAL_FORMS.in_files("delay")
 @entry(eq=True)
 class Delayed(_Composed, Entry):
-    """A signal that comes later by `delay` [s], or earlier where that is below zero."""
+    """A signal that comes later.
+
+    Parameters
+    ----------
+    delay : float [s]
+        Below zero: earlier.
+    signal : signal
+
+    Examples
+    --------
+    >>> from duhamel.solver import Polynomial
+    >>> Delayed(1.0, Polynomial([0.0, 2.0]))(3.0)
+    4.0
+    """
 
     delay: float
     signal: Annotated[AnySignal, NameInFile("of")]

@@ -42,7 +42,18 @@ class Piecewise(Pointwise):
 @SIGNAL_FORMS.bare_number
 @entry(eq=True)
 class Constant(Smooth, Pointwise, Entry):
-    """A constant value."""
+    """A constant value.
+
+    Parameters
+    ----------
+    value : float
+        In the unit of what follows the signal, as in all signals.
+
+    Examples
+    --------
+    >>> Constant(3.0)(0.5)
+    3.0
+    """
 
     value: float
 
@@ -59,7 +70,19 @@ class Constant(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("times")
 @entry(eq=True)
 class Steps(Piecewise, Entry):
-    """A staircase: values[i] from times[i] on, 0 before the first."""
+    """A staircase: values[i] from times[i] on, 0 before the first.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Steps([0.0, 1.0], [2.0, 5.0])(0.5)
+    2.0
+    """
 
     times: Numbers
     values: Numbers
@@ -90,7 +113,19 @@ class Steps(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("times", flag="linear")
 @entry(eq=True)
 class Table(Piecewise, Entry):
-    """A table: linear between the points (times, values), constant outside."""
+    """A table: linear between the points, constant outside.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Table([0.0, 1.0], [0.0, 4.0])(0.25)
+    1.0
+    """
 
     times: Numbers
     values: Numbers
@@ -117,10 +152,21 @@ class Table(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("times", flag="spline")
 @entry(eq=True)
 class Spline(Smooth, Piecewise, Entry):
-    """The natural cubic spline through the points (times, values), for measured motions.
+    """The natural cubic spline through points, for measured motions.
 
     It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
-    it goes on straight, so that it drives joints without jumps of velocity or acceleration.
+    it continues straight, so that it drives joints without jumps of velocity or acceleration.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Spline([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])(1.0)
+    1.0
     """
 
     times: Numbers
@@ -165,7 +211,20 @@ class Spline(Smooth, Piecewise, Entry):
 @SIGNAL_FORMS.in_files("amplitude")
 @entry(eq=True)
 class Harmonic(Smooth, Pointwise, Entry):
-    """A sine: offset + amplitude sin(2 pi frequency t + phase); frequency [Hz], phase [rad]."""
+    """A sine: offset + amplitude sin(2 pi frequency t + phase).
+
+    Parameters
+    ----------
+    amplitude : float
+    frequency : float [Hz]
+    phase : float [rad]
+    offset : float
+
+    Examples
+    --------
+    >>> round(Harmonic(2.0, frequency=1.0)(0.25), 6)
+    2.0
+    """
 
     amplitude: float
     frequency: float
@@ -192,7 +251,18 @@ class Harmonic(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("polynomial")
 @entry(eq=True)
 class Polynomial(Smooth, Piecewise, Entry):
-    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ..."""
+    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ...
+
+    Parameters
+    ----------
+    coefficients : (n,)
+        c_k [unit/s^k].
+
+    Examples
+    --------
+    >>> Polynomial([1.0, 2.0])(3.0)
+    7.0
+    """
 
     coefficients: Annotated[SomeNumbers, NameInFile("polynomial")]
 
@@ -209,7 +279,21 @@ class Polynomial(Smooth, Piecewise, Entry):
 @SIGNAL_FORMS.in_files("impulse")
 @entry(eq=True)
 class Impulse(Entry):
-    """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
+    """A given area, concentrated at the step nearest to a time.
+
+    Parameters
+    ----------
+    area : float
+        Of a force the impulse [N s].
+    at : float [s]
+
+    Examples
+    --------
+    Its samples times the step have that area:
+
+    >>> float(0.1 * Impulse(3.0, at=0.2).samples(np.arange(5) * 0.1, 0.1).sum().round(6))
+    3.0
+    """
 
     area: Annotated[float, NameInFile("impulse")]
     at: float
@@ -234,7 +318,18 @@ class Impulse(Entry):
 @SIGNAL_FORMS.in_files("pulse")
 @entry(eq=True)
 class Pulse(Piecewise, Entry):
-    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere."""
+    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere.
+
+    Parameters
+    ----------
+    value : float
+    start, end : float [s]
+
+    Examples
+    --------
+    >>> Pulse(5.0, start=1.0, end=2.0)(1.5)
+    5.0
+    """
 
     value: Annotated[float, NameInFile("pulse")]
     start: Annotated[float, NameInFile("from")]
@@ -261,9 +356,19 @@ class Pulse(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("input")
 @entry(eq=True)
 class Input(Smooth, Pointwise, Entry):
-    """A signal whose values a `Simulator` receives step by step, by its name.
+    """A signal whose values a `Simulator` receives step by step.
 
-    value: at t = 0, and always in `simulate`.
+    Parameters
+    ----------
+    name : str
+        By which `Simulator.inputs` lists it.
+    value : float
+        At t = 0, and always in `simulate`.
+
+    Examples
+    --------
+    >>> Input("torque", value=0.5)(0.0)
+    0.5
     """
 
     name: Annotated[str, NameInFile("input")]
@@ -280,8 +385,17 @@ class Input(Smooth, Pointwise, Entry):
 class Function(Pointwise, Entry):
     """Any Python function of time, sampled at the steps, its jumps included.
 
-    vectorized: it is called with arrays of times and returns arrays of values, of many steps at
-    once; by default it is called with one time after the other.
+    Parameters
+    ----------
+    function : callable
+        Of the time [s].
+    vectorized : bool
+        The function takes an array of times and returns an array of values, of many steps at once.
+
+    Examples
+    --------
+    >>> Function(lambda t: 2.0 * t)(3.0)
+    6.0
     """
 
     function: Callable[[Any], Any]
@@ -307,7 +421,21 @@ class Function(Pointwise, Entry):
 
 @entry(eq=True)
 class SmoothFunction(Smooth, Function):
-    """A Python function of time with its first and second derivative; it can drive joints."""
+    """A Python function of time with its first and second derivative; it can drive joints.
+
+    Parameters
+    ----------
+    function, rate, acceleration : callable
+        Of the time [s].
+    vectorized : bool
+        The functions take and return arrays.
+
+    Examples
+    --------
+    >>> square = SmoothFunction(lambda t: t**2, rate=lambda t: 2.0 * t, acceleration=lambda t: 2.0)
+    >>> square.derivatives(3.0)
+    (6.0, 2.0)
+    """
 
     rate: Callable[[Any], Any]
     acceleration: Callable[[Any], Any]

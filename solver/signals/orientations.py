@@ -45,8 +45,8 @@ class OrientationDrive(Pointwise):
                 k = int(np.argmax(beyond))
                 raise ModelError(
                     f"{self.owner}: angles: expected at most {MAX_ANGLE:g} rad, got "
-                    f"{angle.value.flat[k]:.6g} about {axis} at t = {t.flat[k]:.6g} s; driven "
-                    "joints in a row turn farther"
+                    f"{angle.value.flat[k]:.6g} about {axis} at t = {t.flat[k]:.6g} s; for larger "
+                    "angles use driven joints in series"
                 )
         roll, pitch, yaw = angles
         # Row (1, 2): R_21 / R_11 = tan(yaw) at any pitch and roll.

@@ -103,19 +103,43 @@ class _Step(SmoothProfile, Entry):
 @SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
 class SmoothStep(_Step):
-    """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
+    """A step from one value to another by 10 x^3 - 15 x^4 + 6 x^5.
 
-    Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
-    10/sqrt(3) times the change over the duration, and over its square.
+    Rate and acceleration are zero at both ends. The largest rate is 15/8 of the change over the
+    duration, the largest acceleration 10/sqrt(3) of the change over its square.
+
+    Parameters
+    ----------
+    values : (2,)
+        Before and after the step.
+    over : (2,) [s]
+        Its begin and end.
+
+    Examples
+    --------
+    >>> SmoothStep((0.0, 2.0), over=(0.0, 1.0))(0.5)
+    1.0
     """
 
 
 @SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
 class Haversine(_Step):
-    """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
+    """A step from one value to another by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
+
+    Parameters
+    ----------
+    values : (2,)
+        Before and after the step.
+    over : (2,) [s]
+        Its begin and end.
+
+    Examples
+    --------
+    >>> round(Haversine((0.0, 2.0), over=(0.0, 1.0))(0.5), 6)
+    1.0
     """
 
     shape = staticmethod(raised_cosine)
@@ -124,7 +148,18 @@ class Haversine(_Step):
 @SIGNAL_FORMS.in_files("half_sine")
 @entry(eq=True)
 class HalfSine(Profile, Entry):
-    """peak sin(pi (t - start) / duration) from `start` on for `duration`, 0 elsewhere."""
+    """Half a sine: peak sin(pi (t - start) / duration) during `duration`, 0 elsewhere.
+
+    Parameters
+    ----------
+    peak : float
+    duration, start : float [s]
+
+    Examples
+    --------
+    >>> HalfSine(200.0, duration=1e-3)(0.5e-3)
+    200.0
+    """
 
     peak: Annotated[float, NameInFile("half_sine")]
     duration: Positive
@@ -141,7 +176,22 @@ class HalfSine(Profile, Entry):
 @SIGNAL_FORMS.in_files("trapezoid")
 @entry(eq=True)
 class Trapezoid(Profile, Entry):
-    """A pulse that rises to `peak` in `rise`, and falls to 0 in the last `fall` of its duration."""
+    """A pulse with straight flanks, 0 elsewhere.
+
+    Parameters
+    ----------
+    peak : float
+    duration : float [s]
+        Of the whole pulse.
+    rise, fall : float [s]
+        Of its first and last flank.
+    start : float [s]
+
+    Examples
+    --------
+    >>> Trapezoid(8.0, duration=4.0, rise=1.0, fall=1.0)(0.5)
+    4.0
+    """
 
     peak: Annotated[float, NameInFile("trapezoid")]
     duration: Positive
@@ -169,7 +219,18 @@ class Trapezoid(Profile, Entry):
 @SIGNAL_FORMS.in_files("sawtooth")
 @entry(eq=True)
 class Sawtooth(Profile, Entry):
-    """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0."""
+    """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0.
+
+    Parameters
+    ----------
+    peak : float
+    duration, start : float [s]
+
+    Examples
+    --------
+    >>> Sawtooth(10.0, duration=2.0)(0.5)
+    2.5
+    """
 
     peak: Annotated[float, NameInFile("sawtooth")]
     duration: Positive
@@ -192,9 +253,19 @@ class Sawtooth(Profile, Entry):
 @SIGNAL_FORMS.in_files("window")
 @entry(eq=True)
 class Window(SmoothProfile, Entry):
-    """1 over a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
+    """1 during a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
 
-    rise, fall: their durations [s].
+    Parameters
+    ----------
+    over : (2,) [s]
+        Begin and end.
+    rise, fall : float [s]
+        Durations of the steps.
+
+    Examples
+    --------
+    >>> Window((0.0, 4.0), rise=1.0, fall=1.0)(0.5)
+    0.5
     """
 
     over: Annotated[Span, NameInFile("window")]
@@ -285,9 +356,22 @@ class _Chirp(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("chirp")
 @entry(eq=True)
 class Chirp(_Chirp):
-    """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
+    """A sine whose frequency changes in proportion to time; constant outside.
 
-    phase: at the start of that [rad].
+    Parameters
+    ----------
+    amplitude : float
+    frequencies : (2,) [Hz]
+        At the begin and at the end.
+    over : (2,) [s]
+        Begin and end.
+    phase : float [rad]
+        At the begin.
+
+    Examples
+    --------
+    >>> round(Chirp(2.0, frequencies=(1.0, 3.0), over=(0.0, 1.0))(0.5), 6)
+    -2.0
     """
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
@@ -299,9 +383,22 @@ class Chirp(_Chirp):
 @SIGNAL_FORMS.in_files("chirp", flag="logarithmic")
 @entry(eq=True)
 class LogarithmicChirp(_Chirp):
-    """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
+    """A sine whose frequency changes by so many octaves a second; constant outside.
 
-    phase: at the start of that [rad].
+    Parameters
+    ----------
+    amplitude : float
+    frequencies : (2,) [Hz]
+        At the begin and at the end.
+    over : (2,) [s]
+        Begin and end.
+    phase : float [rad]
+        At the begin.
+
+    Examples
+    --------
+    >>> LogarithmicChirp(2.0, frequencies=(1.0, 4.0), over=(0.0, 1.0))(0.0)
+    0.0
     """
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:

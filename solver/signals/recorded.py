@@ -89,12 +89,32 @@ class _Recorded(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("file")
 @entry(eq=True)
 class Recorded(_Recorded):
-    """A column of a text file over its time, linear between the rows, constant outside.
+    r"""A column of a text file over its time, linear between the rows, constant outside.
 
         f = scale x column    at    time_scale x time + shift
 
-    file: its columns are separated by commas, semicolons, tabs or blanks, its first line may name
-    them, and # begins a comment; column, time: a name, or a number from 1 on; time is the first.
+    Parameters
+    ----------
+    file : path
+        Its columns are separated by commas, semicolons, tabs or blanks. The first line may name
+        them; # begins a comment.
+    column : str or int
+        A name, or a number from 1 on.
+    scale : float
+    time : str or int
+        The column of the time.
+    time_scale : float
+    shift : float [s]
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "shaker.csv"
+    ...     written = path.write_text("t, a\n0, 0\n1, 4\n")
+    ...     Recorded(path, "a", scale=9.81)(0.5)
+    19.62
     """
 
     @cached_property
@@ -110,7 +130,20 @@ class Recorded(_Recorded):
 @SIGNAL_FORMS.in_files("file", flag="spline")
 @entry(eq=True)
 class RecordedSpline(Smooth, _Recorded):
-    """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""
+    r"""The natural cubic spline through a column of a text file; it can drive joints.
+
+    The parameters are those of `Recorded`, the curve is that of `Spline`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "shaker.csv"
+    ...     written = path.write_text("t, a\n0, 0\n1, 4\n2, 0\n")
+    ...     RecordedSpline(path, "a")(1.0)
+    4.0
+    """
 
     @cached_property
     def curve(self) -> Spline:

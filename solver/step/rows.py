@@ -250,6 +250,7 @@ def _add_angle(
     _add_rotation_at(turned, b, factor * c / q, n, H)
     _add_rotation_at(a, b, -factor * s / q, n, H)
     g_s, g_c = cross(turned, b), cross(a, b)
+    # q is 1 only where b is in the plane of a and a'; elsewhere the factors change with it.
     same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
     for k in range(3):
         for j in range(3):
@@ -264,6 +265,7 @@ def _add_angle(
 @compiled
 def nearest_angle(angle: float, near: float) -> float:
     """The angle, by full turns nearest to another."""
+    # atan2 knows angles within a turn alone; the prediction tells which turn.
     return angle + 2.0 * math.pi * round((near - angle) / (2.0 * math.pi))
 
 
