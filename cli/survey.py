@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
 from ..view import Cross, Marker, Patch, Scene
+from .tables import Row, components, sectioned
 
 EXACT = "from the mesh itself"
 ESTIMATED = (
@@ -22,15 +22,10 @@ STEPS_IN_PERIOD = 20
 CROSSES = 5
 """lines of beams whose local axes are drawn"""
 
-Row = tuple[str, str]
-
 
 def report(survey: Survey) -> Table:
     """Mesh, masses, interfaces, frequencies, cost and doubts, a section each."""
-    table = Table(title=Text(survey.body.name), show_header=False)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold")
-    for section in (
+    sections = (
         _mesh(survey),
         _rigid(survey),
         _attachments(survey),
@@ -39,11 +34,8 @@ def report(survey: Survey) -> Table:
         _rotation(survey),
         _cost(survey),
         _doubts(survey),
-    ):
-        for label, value in section:
-            table.add_row(Text(label), Text(value))
-        table.add_section()
-    return table
+    )
+    return sectioned(survey.body.name, sections)
 
 
 def scene(survey: Survey) -> Scene:
@@ -79,8 +71,8 @@ def _mesh(survey: Survey) -> Iterator[Row]:
     mesh, structure = survey.mesh, survey.structure
     elements = ", ".join(f"{len(cells)} {kind}" for kind, cells in mesh.elements.items())
     yield "mesh", f"{mesh.name}: {len(mesh.points)} nodes, {elements}"
-    yield "from [m]", _line(mesh.points.min(axis=0))
-    yield "to [m]", _line(mesh.points.max(axis=0))
+    yield "from [m]", components(mesh.points.min(axis=0))
+    yield "to [m]", components(mesh.points.max(axis=0))
     yield "unknowns", f"{structure.n_u}, of which {structure.P_C.shape[0]} interface dofs are kept"
 
 
@@ -88,7 +80,10 @@ def _rigid(survey: Survey) -> Iterator[Row]:
     rigid = survey.structure.rigid
     yield "mass [kg]", f"{rigid.mass:.6g}"
     yield "center of mass [m]", _position(rigid.center, survey)
-    yield "principal inertia [kg m^2]", _line(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64))
+    yield (
+        "principal inertia [kg m^2]",
+        components(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64)),
+    )
     unit = "m" if survey.facets is None else "m^3"
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
@@ -100,10 +95,10 @@ def _channels(survey: Survey) -> Iterator[Row]:
     if channels is None:
         return
     for pattern in channels.patterns:
-        force, moment = _line(pattern.force), _line(pattern.moment)
+        force, moment = components(pattern.force), components(pattern.moment)
         yield f"load {pattern.name}", f"{force} N, {moment} N m about the center of mass"
     for sensor in channels.sensors:
-        place = _line(sensor.X + survey.structure.rigid.center)
+        place = components(sensor.X + survey.structure.rigid.center)
         yield f"sensor {sensor.name}", f"{sensor.kind} at {place} m"
 
 
@@ -188,8 +183,4 @@ def _doubts(survey: Survey) -> Iterator[Row]:
 
 def _position(X: Array, survey: Survey) -> str:
     """Coordinates, without the rounding of those that are zero."""
-    return _line(np.where(np.abs(X) < 1e-12 * survey.mesh.size, 0.0, X))
-
-
-def _line(values: Array) -> str:
-    return " ".join(f"{value:11.5g}" for value in values)
+    return components(np.where(np.abs(X) < 1e-12 * survey.mesh.size, 0.0, X))

@@ -4,9 +4,9 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ModelFile
+from ..arguments import ModelFile, beside
 from ..failures import errors_in_one_line
-from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write_output
+from ..linear import LinearOutput, linear_title, tell_validity, write_output
 
 WELL_WITHIN = 0.75
 """of the band of a superelement: there a response needs no remark"""
@@ -20,7 +20,7 @@ From = Annotated[
 To = Annotated[list[str], typer.Option("--to", metavar="QUANTITY", help="As `plot` names them.")]
 Band = Annotated[
     tuple[float, float] | None,
-    typer.Option(metavar="FROM TO", help="Frequencies [Hz].", show_default=False),
+    typer.Option(metavar="FROM TO", help="Frequencies [Hz]."),
 ]
 Points = Annotated[
     int, typer.Option(min=2, max=100_000, help="Frequencies of the band, beside resonances.")
@@ -50,12 +50,12 @@ def frf(
     """Frequency responses of a model: MODEL-frf.png beside the model file, unless given."""
     from rich.console import Console
 
-    from ... import solver, superelement, view
+    from ... import files, solver, superelement, view
     from ..linear_report import band_of, grid, response_csv, response_picture, static_table
 
-    target = output or model_file.with_name(f"{model_file.stem}-frf.png")
-    with errors_in_one_line(solver, superelement, view):
-        require_no_model(target, model_file)
+    target = output or beside(model_file, ".png", "frf")
+    with errors_in_one_line(files, solver, superelement, view):
+        files.require_no_input(target, [model_file], "the model file")
         model = solver.read_model(model_file)
         linear = solver.linearize(model)
         if static:

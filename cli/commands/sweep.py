@@ -6,28 +6,16 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import TOML
-from ..completion import files as files_of
+from ..arguments import TOML_SUFFIX, file_argument, output_option
 from ..failures import errors_in_one_line, one_line
 from .plot import plot_summary
 
 StudyFile = Annotated[
     Path,
-    typer.Argument(
-        metavar="STUDY.toml",
-        help="A model or body, and values of its parameters.",
-        autocompletion=files_of(TOML),
-    ),
+    file_argument("STUDY.toml", "A model or body, and values of its parameters.", TOML_SUFFIX),
 ]
 StudyFolder = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FOLDER",
-        help="The cases: STUDY beside the study file.",
-        show_default=False,
-    ),
+    Path | None, output_option("FOLDER", "The cases: STUDY beside the study file.")
 ]
 Workers = Annotated[
     int | None,
