@@ -13,7 +13,7 @@ from ...results.validity import Check
 from ...superelement import SuperelementError
 from ...superelement.validation import Array
 from . import libraries
-from .markup import Markup, element, facts, folded, joined, note, table
+from .markup import Markup, facts, folded, joined, note, part, table
 from .numbers import counted, seconds, short, vector
 from .origin import origin, tables
 
@@ -36,7 +36,7 @@ def _check_row(check: Check) -> tuple[object, ...]:
     criterion, verdict = check.criterion, check.verdict
     value = "unknown" if verdict == "unknown" else criterion.measured(check.value)
     owner = check.owner or criterion.owner
-    word = element("span", verdict, class_=f"word {verdict}")
+    word = part("word", verdict)
     limits = (criterion.bound(criterion.good), criterion.bound(criterion.limit))
     return (criterion.quantity, value, owner, *limits, word)
 
@@ -241,9 +241,9 @@ def _body_row(results: Results, name: str, given: Any) -> tuple[object, ...]:
 def provenance(results: Results) -> Markup:
     """Files with their digests, and versions."""
     files = {file.path: file.digest for file in results.superelement_files.values()}
-    rows = [(path, element("code", digest)) for path, digest in files.items()]
-    superelements = table(("superelement", "sha256"), rows) if rows else ""
-    return joined([facts(_machines(results)), superelements])
+    rows = [(path, part("code", digest)) for path, digest in files.items()]
+    superelements = [table(("superelement", "sha256"), rows)] if rows else []
+    return joined([facts(_machines(results)), *superelements])
 
 
 def _machines(results: Results) -> Iterator[tuple[str, object]]:
@@ -261,7 +261,7 @@ def model_text(results: Results) -> Markup:
     if not text:
         return note("The model was not read from a file: there is no text of it.")
     lines = counted(text.count("\n") + 1, "line")
-    return folded(f"Model file, {lines}", element("pre", text))
+    return folded(f"Model file, {lines}", part("listing", text))
 
 
 def _limited(

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from ...files.outputs import AnyPath, clash, in_words, renamed_when_whole
+from ...files.outputs import AnyPath, clash, renamed_when_whole
 from ...results import Results
 from ..errors import PictureError
 from .libraries import package
@@ -31,14 +31,12 @@ def write_report(
     """
     path = Path(path)
     _check(results, path)
-    for name in ("plotly", "k3d"):
+    for name in ("plotly", "k3d", "jinja2"):
         package(name)
     text = page(results, title, field, on_part)
-    try:
-        with renamed_when_whole(path) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
+    with renamed_when_whole(path, failure=PictureError) as temporary:
+        # Names of files may hold bytes that are no text, which UTF-8 has no code for.
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 def _check(results: Results, path: Path) -> None:
