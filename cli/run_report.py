@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..results import Results
-from ..results.motion import Energy, Events
+from ..results.motion import BALANCED_ENERGIES, Energy, Events
 from ..superelement.validation import Array
 
 NOTICEABLE = 1e-9
@@ -97,14 +97,13 @@ def _created(energy: Energy, rule: str) -> Iterator[str]:
 
 
 def _energy_balance(energy: Energy) -> str:
-    names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated", "numerical")
     last = ", ".join(
-        f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any()
+        f"{name} {getattr(energy, name)[-1]:.4g}"
+        for name in BALANCED_ENERGIES
+        if getattr(energy, name).any()
     )
-    largest = float(np.abs(energy.balance).max())
-    sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
-    scale = float(max(*sizes, np.ptp(energy.potential)))
-    relative = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
+    largest, share = energy.imbalance()
+    relative = f", {share:.1g} of the largest" if share else ""
     return f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{relative}"
 
 

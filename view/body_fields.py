@@ -12,7 +12,7 @@ from ..results.wildcards import WILDCARD_STAR, matching
 from .field_kinds import FIELDS, WORST, scale_of
 from .fields import Field, draw_fields
 from .picture import add_room, entitle
-from .prefixes import PREFIXES, exponent_of
+from .prefixes import seconds
 from .scene import Marker, Scene
 from .worst import worst_time
 
@@ -57,9 +57,7 @@ def draw_body_fields(
     mark = Marker(value, surface.points[k], has_axes=False)
     label = f"{scale.words} [{scale.unit}]"
     figure = draw_fields(surfaces, label, 1.0 / scale.factor, Scene(markers=[mark]))
-    power = exponent_of(chosen.time)
-    when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
-    line = f"{body} at {when}: {value} at {results.place(body, k)}"
+    line = f"{body} at {seconds(chosen.time)}: {value} at {results.place(body, k)}"
     if blended := [name for name in chosen.bodies if results.outline_source(name) == BLENDED]:
         line = f"{line}; interpolated between the interfaces of {', '.join(blended)}"
     _head(figure, title, line)

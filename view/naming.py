@@ -5,11 +5,14 @@ stands without its kind is a letter alone.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from ..results import Results
 from ..results.quantities import ENERGY_LABELS, KINDS_BY_NAME, words
 from ..results.transforms import Series
+
+if TYPE_CHECKING:
+    from .quantities import Curve
 
 PLACES = {"position", "displacement", "elastic displacement"}
 """kinds of which two make a way in space"""
@@ -17,17 +20,6 @@ UNFILTERED = "unfiltered"
 """a curve of which nothing was made, beside those of which something was"""
 OF_A_BODY = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
 """what is named BODY.NAME"""
-
-
-class Named(Protocol):
-    """What has a name: a curve."""
-
-    @property
-    def words(self) -> tuple[str, ...]: ...
-    @property
-    def along(self) -> str: ...
-    @property
-    def run(self) -> str: ...
 
 
 def kind(found: Series) -> str:
@@ -61,13 +53,13 @@ def unit(found: Series) -> str:
     return found.unit
 
 
-def in_full(curve: Named) -> str:
+def in_full(curve: "Curve") -> str:
     """ "hub, angular velocity about z"."""
     title, _ = title_and_labels([curve])
     return title
 
 
-def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
+def title_and_labels(curves: "Sequence[Curve]") -> tuple[str, list[str]]:
     """What all curves share, and what tells each from the others ("" if nothing does)."""
     rows = [[curve.run, *curve.words[:3], *_parts(curve.words[3:])] for curve in curves]
     longest = max(map(len, rows))

@@ -16,10 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ..files.outputs import in_words, renamed_when_whole
+from ..files.outputs import renamed_when_whole
 from ..superelement.validation import Array
 from . import naming, planes, spectra
-from .errors import PictureError
+from .errors import PictureError, require_target
 from .prefixes import PREFIXES, exponent_of, with_unit
 from .quantities import PLANES, Curve
 from .styles import COLORS, styles
@@ -180,13 +180,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     PictureError if there is no such format or folder, or no room for the panels.
     """
     path = Path(path)
-    formats = figure.canvas.get_supported_filetypes()
-    if (suffix := path.suffix.removeprefix(".").lower()) not in formats:
-        raise PictureError(
-            f"{path}: expected a suffix of {', '.join(sorted(formats))}, found {path.suffix!r}"
-        )
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
+    formats = sorted(figure.canvas.get_supported_filetypes())
+    suffix = require_target(path, [f".{name}" for name in formats]).removeprefix(".")
     image = io.BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message="constrained_layout not applied")
@@ -198,11 +193,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
             raise PictureError(
                 f"{path}: {wide:g}x{high:g} inches are too small for its panels and legends"
             ) from error
-    try:
-        with renamed_when_whole(path) as whole:
-            whole.write_bytes(image.getbuffer())
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
+    with renamed_when_whole(path, failure=PictureError) as whole:
+        whole.write_bytes(image.getbuffer())
 
 
 def _check_panel(curves: Sequence[Curve]) -> None:

@@ -20,3 +20,16 @@ def exponent_of(peak: float, unit: str = "") -> int:
 def with_unit(what: str, prefix: str, unit: str) -> str:
     """ "pseudo-velocity [mm/s]"; of numbers what they are alone."""
     return what if unit in ("", PLAIN) else f"{what} [{prefix}{unit}]".strip()
+
+
+def seconds(value: float) -> str:
+    """A time with its unit, as 60 µs."""
+    # Minutes of motion are read as seconds: 1200 s, not 1.2 ks.
+    exponent = exponent_of(min(abs(value), 999.0))
+    return f"{value / 10.0**exponent:.6g} {PREFIXES[exponent]}s"
+
+
+def rounded_down(value: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step <= value / power))

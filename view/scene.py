@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from ..superelement.cells import IntArray
 from ..superelement.validation import Array
 from .camera import ISO, UP, axes_towards
-from .labels import apart
 from .picture import style
 from .styles import COLORS
 
@@ -279,6 +278,25 @@ def _name(
             markeredgewidth=0.8,
             zorder=5,
         )
+
+
+def apart(heights: Array, distance: float, limit: float) -> Array:
+    """Heights (n,) in [-limit, limit] near the given ones, `distance` apart, in the same order.
+
+    Less apart if they do not fit. Of all such heights these are the nearest to the given ones, in
+    the sense of least squares.
+    """
+    from scipy.optimize import isotonic_regression  # takes 0.2 s, of pictures of bodies alone
+
+    order = np.argsort(heights, kind="stable")
+    distance = min(distance, 2.0 * limit / max(len(heights) - 1, 1))
+    steps = distance * (np.arange(len(heights)) - 0.5 * (len(heights) - 1))
+    # Less the steps, heights that are far enough apart rise.
+    rising = isotonic_regression(heights[order] - steps).x
+    reach = limit - 0.5 * distance * (len(heights) - 1)
+    fitted = np.empty(len(heights))
+    fitted[order] = np.clip(rising, -reach, reach) + steps
+    return fitted
 
 
 def draw_triad(

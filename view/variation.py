@@ -218,17 +218,12 @@ def rank_correlation(x: Array, y: Array) -> float:
 
     x, y (n,). Source: C. Spearman, The American Journal of Psychology 15 (1904).
     """
-    ranks = np.array([_ranks(x), _ranks(y)])
+    from scipy.stats import rankdata  # takes as long to import as all else of a small picture
+
+    ranks = np.array([rankdata(x), rankdata(y)])
     ranks -= ranks.mean(axis=1, keepdims=True)
     size = float(np.sqrt((ranks[0] @ ranks[0]) * (ranks[1] @ ranks[1])))
     return float(ranks[0] @ ranks[1]) / size if size > 0.0 else 0.0
-
-
-def _ranks(x: Array) -> Array:
-    _, places, counts = np.unique(x, return_inverse=True, return_counts=True)
-    last = np.cumsum(counts)
-    ranks: Array = (last - 0.5 * (counts - 1))[places]
-    return ranks
 
 
 def _label(panel: Axes, x: Axis, name: str) -> None:

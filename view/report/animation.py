@@ -5,9 +5,10 @@ import json
 import numpy as np
 
 from ..field_kinds import scale_of
+from ..prefixes import seconds
 from .markup import Markup, rendered
 from .motion import Motion
-from .numbers import counted, seconds, short, vector
+from .numbers import counted, short, vector
 from .scene import cameras, color_bar, placed, square
 from .still import still
 

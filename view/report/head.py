@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from ...results import Results
 from ...results.validity import MAX_SHOWN_WARNINGS
-from .numbers import counted, seconds
+from ..prefixes import seconds
+from .numbers import counted
 from .origin import Origin, opening
 
 

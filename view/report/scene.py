@@ -9,6 +9,7 @@ from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..field_kinds import COLOR_MAP
+from ..prefixes import rounded_down
 from ..space.marks import Mark
 from .libraries import package
 from .motion import Motion, Shape, poses
@@ -66,9 +67,7 @@ def scene(motion: Motion) -> bytes:
 def square(motion: Motion) -> float:
     """The side of the squares of the grid: 1, 2 or 5 times a power of ten [m]."""
     low, high = motion.box
-    wanted = float((high - low)[:2].max()) / SQUARES
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+    return rounded_down(float((high - low)[:2].max()) / SQUARES)
 
 
 def _grid(k3d: Any, motion: Motion) -> Any:

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from ...results import Peak, QuantityError, RecoveryError, Results, SeriesError, peaks
-from ...results.motion import Energy, Events
+from ...results.motion import BALANCED_ENERGIES, Energy, Events
 from ...results.validity import Check
 from ...superelement import SuperelementError
 from ...superelement.validation import Array
+from ..prefixes import seconds
 from . import libraries
 from .markup import Markup, facts, folded, joined, note, part, table
-from .numbers import counted, seconds, short, vector
+from .numbers import counted, short, vector
 from .origin import origin, tables
 
 MOST_ROWS = 200
@@ -111,14 +112,11 @@ def _event_rows(name: str, events: Events, unit: str) -> Iterator[tuple[object, 
         )
 
 
-ENERGIES = ("kinetic", "elastic", "springs", "potential", "dissipated", "numerical", "work")
-
-
 def balance_table(results: Results) -> Markup:
     """Energies at the start and at the end, what they were at most, and their balance."""
     if "energy" not in results.recorded:
         return note("No energy balance: the run did not record energies.")
-    energy, names = results.energy, [n for n in ENERGIES if n in results.energies]
+    energy, names = results.energy, [n for n in BALANCED_ENERGIES if n in results.energies]
     rows = [(name, *_extent(getattr(energy, name))) for name in [*names, "balance"]]
     found = table(("energy [J]", "start", "end", "smallest", "largest"), rows, "tnnnn")
     return joined([found, note(_closing(energy))])
@@ -130,10 +128,8 @@ def _extent(values: Array) -> tuple[str, ...]:
 
 def _closing(energy: Energy) -> str:
     """How well energies balance, beside the largest that moved."""
-    largest = float(np.abs(energy.balance).max())
-    sizes = [float(np.abs(getattr(energy, n)).max()) for n in ENERGIES if n != "potential"]
-    scale = max(*sizes, float(np.ptp(energy.potential)))
-    relative = f", {largest / scale:.1g} of the largest energy that moved" if scale > 0.0 else ""
+    largest, share = energy.imbalance()
+    relative = f", {share:.1g} of the largest energy that moved" if share else ""
     return (
         f"Balance: the sum of all less the work and less its value at the start; it is within "
         f"{largest:.2g} J{relative}."

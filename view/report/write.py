@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ...files.outputs import AnyPath, clash, renamed_when_whole
 from ...results import Results
-from ..errors import PictureError
+from ..errors import PictureError, require_target
 from .libraries import package
 from .page import OnPart, page
 
@@ -40,10 +40,7 @@ def write_report(
 
 
 def _check(results: Results, path: Path) -> None:
-    if path.suffix.lower() not in SUFFIXES:
-        raise PictureError(f"{path}: expected a suffix of {', '.join(SUFFIXES)}")
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
+    require_target(path, SUFFIXES)
     superelements = (file.path for file in results.superelement_files.values())
     inputs: dict[AnyPath, str] = dict.fromkeys(superelements, "a superelement")
     inputs[results.name] = "the results file"

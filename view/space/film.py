@@ -18,7 +18,8 @@ from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .lettering import Clock, Frame, Image, Lettering, lettered
 from .stage import NO_FIELD, Batch, Stage, chosen_field
-from .studio import Studio, pyvista
+from .studio import Studio
+from .surface import pyvista
 from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
 from .tracks import Tracks
 from .writing import MOVING, require_format, written

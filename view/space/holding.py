@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...results import Results
-from ...results.recovery import in_space
 from ...superelement.validation import Array
 from .tracks import GROUND, Track
 
@@ -45,11 +44,8 @@ class Hold:
 def place_of(body: Track, frame: Track) -> Array:
     """The place (3,) of a frame at rest, from the center of mass in body axes [m]."""
     assert frame.u is not None
-    still = np.zeros((1, 3))
-    back = body.rotation[:1] * [1.0, -1.0, -1.0, -1.0]
-    lever = (frame.position - body.position)[:1, None]
-    rest: Array = in_space(still, back, lever)[0, 0] - frame.u[0, :3]
-    return rest
+    at_first: Array = body.seen_from(frame.position)[0] - frame.u[0, :3]
+    return at_first
 
 
 class _End(NamedTuple):

@@ -12,6 +12,7 @@ from ...results.steps import batches
 from ...superelement.validation import Array
 from ..errors import PictureError
 from ..field_kinds import FIELDS
+from ..prefixes import rounded_down
 from .bodies import Body, bodies_on_stage
 from .marks import LEGEND, Mark, Placing, largest_force, marks_of
 from .tracks import Tracks
@@ -159,9 +160,7 @@ def magnification(largest: float, size: float) -> float:
     """
     if largest >= SEEN * size or largest <= ROUNDING * size:
         return 1.0
-    wanted = WANTED * size / largest
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step <= wanted / power))
+    return rounded_down(WANTED * size / largest)
 
 
 def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:

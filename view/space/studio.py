@@ -15,7 +15,7 @@ from .bodies import Body
 from .lettering import Frame, Image
 from .marks import Mark
 from .stage import Batch, Stage
-from .surface import mesh_edges, surface
+from .surface import mesh_edges, point_normals, pyvista, surface
 
 PLAIN = (0.80, 0.82, 0.85)
 """bodies beside those that are colored"""
@@ -29,20 +29,10 @@ FINER = 2
 of OpenGL, and smoother"""
 MOST_PIXELS = 16_000_000
 """drawn in that way; larger pictures are smoothed by OpenGL"""
-NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
 BLIND = (
     "OpenGL was not found, not even in software: Debian has it in libgl1, libegl1, libegl-mesa0 "
     "and libgl1-mesa-dri"
 )
-
-
-def pyvista() -> Any:
-    """The library; PictureError without it."""
-    try:
-        import pyvista
-    except ImportError as error:
-        raise PictureError(NEEDED) from error
-    return pyvista
 
 
 def _window(size: tuple[int, int]) -> Any:
@@ -189,7 +179,7 @@ class _BodyFigure:
         if self._mesh is not None and self._surface is not None:
             here = points[self._surface.copies]
             self._mesh.points = here
-            self._mesh.point_data["Normals"][:] = self._surface.normals(here)
+            self._mesh.point_data["Normals"][:] = point_normals(here, self._surface.triangles)
             if values is not None:
                 self._mesh.point_data["value"][:] = values[self._surface.copies]
             self._mesh.Modified()

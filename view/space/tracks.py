@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...results import Results
-from ...results.recovery import Instants, in_space, instants
-from ...results.rotations import inverse
+from ...results.recovery import Instants, instants
+from ...results.rotations import inverse, rotate
 from ...superelement.validation import Array
 
 GROUND = "ground"
@@ -28,15 +28,11 @@ class Track:
 
     def turned(self, vector: Array) -> Array:
         """A vector (3,) of its axes in space (k, 3)."""
-        still = np.broadcast_to(vector, (len(self.position), 1, 3))
-        return in_space(np.zeros((len(still), 3)), self.rotation, still)[:, 0]
+        return rotate(self.rotation, vector)
 
     def seen_from(self, position: Array) -> Array:
         """Positions (k, 3) in space from its own, in its axes."""
-        back = inverse(self.rotation)
-        still = np.zeros((len(back), 3))
-        seen: Array = in_space(still, back, (position - self.position)[:, None])[:, 0]
-        return seen
+        return rotate(inverse(self.rotation), position - self.position)
 
 
 class Tracks:

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...files.outputs import in_words, renamed_when_whole
-from ..errors import PictureError
+from ..errors import PictureError, require_target
 from .lettering import Image
 
 FILM, MOVING, STILL = ".mp4", ".gif", ".png"
@@ -36,13 +36,7 @@ class Sink(Protocol):
 
 def require_format(path: Path, size: tuple[int, int], several: bool) -> None:
     """PictureError if no such file can be made.   several: it is more than a single frame"""
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise PictureError(
-            f"{path}: expected a suffix of {', '.join(SUFFIXES)}, found {path.suffix!r}"
-        )
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
+    suffix = require_target(path, SUFFIXES)
     if suffix == STILL and several and not NUMBERED.search(path.name):
         raise PictureError(
             f"{path}: expected --at TIME or --at worst for one picture, "
