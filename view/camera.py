@@ -37,6 +37,11 @@ class Camera:
     height: float
     depth: float
 
+    def seen(self, points: Array) -> Array:
+        """Points (..., 3) in space as (..., 2) from the middle of the picture, over its height."""
+        flat: Array = (points - self.focus) @ self.axes[:2].T / self.height
+        return flat
+
 
 def axes_towards(eye: Array, up: Array) -> Array:
     """Right, up and towards the eye as rows (3, 3); up is as near as can be to the given one."""
@@ -135,12 +140,21 @@ class Fitting:
         """Its smallest and largest coordinates (3,), (3,) along the axes of the camera [m]."""
         return self._low, self._high
 
+    @property
+    def extent(self) -> Array:
+        """The edges (3,) of the box: across, up and along the line of sight [m]."""
+        return self._high - self._low
+
     def camera(self, aspect: float) -> Camera:
         """For pictures of this width over height."""
-        middle, extent = 0.5 * (self._low + self._high), self._high - self._low
-        height = MARGIN * max(extent[1], extent[0] / aspect)
-        height = height if height > 0.0 else 1.0
-        depth = 0.5 * extent[2] + 0.1 * height
+        across, up, _ = self.extent
+        height = MARGIN * max(up, across / aspect)
+        return self.camera_of_height(height if height > 0.0 else 1.0)
+
+    def camera_of_height(self, height: float) -> Camera:
+        """One that looks at the middle of the points, and sees this height [m]."""
+        middle = 0.5 * (self._low + self._high)
+        depth = 0.5 * self.extent[2] + 0.1 * height
         return Camera(self._axes, middle @ self._axes, float(height), float(depth))
 
 

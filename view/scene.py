@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..superelement.cells import IntArray
 from ..superelement.validation import Array
-from .camera import ISO, UP, axes_towards
+from .camera import ISO, UP, Camera, Fitting, axes_towards
 from .picture import style
 from .styles import COLORS
 
@@ -91,23 +91,15 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """An orthographic view.
+    """What a camera sees on paper: sizes (2,) of the paper, and of the body on it [inch]."""
 
-    camera (3, 3): right, up and towards the eye as rows; middle (2,) of the body; inch: the length
-    in space of an inch on paper; size (2,): of the paper [inch]; body (2,): its size on paper
-    [inch].
-    """
-
-    camera: Array
-    middle: Array
-    inch: float
+    camera: Camera
     size: Array
     body: Array
 
     def on_paper(self, points: Array) -> Array:
         """(..., 3) in space to (..., 2) from the middle of the paper [inch]."""
-        flat: Array = (points @ self.camera[:2].T - self.middle) / self.inch
-        return flat
+        return self.camera.seen(points) * float(self.size[1])
 
 
 def color(number: int) -> tuple[float, float, float]:
@@ -143,7 +135,7 @@ def draw_scene(scene: Scene) -> Figure:
             place = (across / columns, 1.0 - (down + 1) / rows, 1.0 / columns, 1.0 / rows)
             axes = pane(figure, place, view)
             paint(axes, scene, view)
-            draw_triad(axes, view.camera, -0.5 * view.size + 0.35, 0.22, 1.6, 8.0)
+            draw_triad(axes, view.camera.axes, -0.5 * view.size + 0.35, 0.22, 1.6, 8.0)
             _axes_of_sections(axes, scene.sections, view)
             shown = [n for n in range(len(marks)) if where[n] == i]
             _name(axes, [marks[n] for n in shown], [shades[n] for n in shown], view)
@@ -164,9 +156,10 @@ def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
 
     The body fills the paper but for margins and names.
     """
-    points = scene.points
-    flat = [points @ camera[:2].T for camera in cameras]
-    extent = np.max([np.ptp(plane, axis=0) for plane in flat], axis=0)
+    fits = [Fitting(camera) for camera in cameras]
+    for fit in fits:
+        fit.take(scene.points)
+    extent = np.max([fit.extent[:2] for fit in fits], axis=0)
     marks = (*scene.markers, *scene.masses)
     names = MARGIN + LETTER * max((len(mark.name) for mark in marks), default=0)
     beside = len(cameras) > 1 and extent[0] < 1.8 * extent[1]
@@ -175,10 +168,7 @@ def _layout(scene: Scene, cameras: Sequence[Array]) -> tuple[list[View], bool]:
     inch = float((extent / largest).max())
     height = max(extent[1] / inch, LINE * len(marks) / 2, 0.8) + 2.0 * MARGIN
     size, body = np.array([width, height]), extent / inch
-    middles = [0.5 * (plane.min(axis=0) + plane.max(axis=0)) for plane in flat]
-    return [
-        View(c, middle, inch, size, body) for c, middle in zip(cameras, middles, strict=True)
-    ], beside
+    return [View(fit.camera_of_height(inch * height), size, body) for fit in fits], beside
 
 
 def _area_vectors(facets: Array) -> Array:
@@ -220,12 +210,12 @@ def paint(axes: Axes, scene: Scene, view: View) -> None:
     # Edges in the color of the face close the gaps that smoothing leaves between neighbors.
     fine = sum(len(patch.facets) for patch in scene.patches) > 2 * FINE
     for patch in scene.patches:
-        areas = _area_vectors(patch.facets) @ view.camera.T
+        areas = _area_vectors(patch.facets) @ view.camera.axes.T
         seen = areas[:, 2] > 0.0
         normals = areas[seen] / np.linalg.norm(areas[seen], axis=1)[:, None]
         brightness = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ LIGHT, 0.0, 1.0)
         polygons.extend(view.on_paper(patch.facets[seen]))
-        depths.append((patch.facets[seen] @ view.camera[2]).mean(axis=1))
+        depths.append((patch.facets[seen] @ view.camera.axes[2]).mean(axis=1))
         shade = base[patch.markers] if patch.colors is None else patch.colors
         shades.append(shade[seen] * brightness[:, None])
         rims.append(shades[-1] * (1.0 if fine or patch.colors is not None else 0.75))
@@ -261,7 +251,7 @@ def _name(
             )
     for mark, point, shade in zip(marks, points, shades, strict=True):
         if mark.has_axes:
-            for direction, (_, axis_color) in zip(view.camera[:2].T, AXES, strict=True):
+            for direction, (_, axis_color) in zip(view.camera.axes[:2].T, AXES, strict=True):
                 axes.plot(
                     *zip(point, point + 0.28 * direction, strict=True),
                     color=axis_color,
@@ -321,7 +311,7 @@ def _axes_of_sections(axes: Axes, sections: Sequence[Cross], view: View) -> None
     for number, section in enumerate(sections):
         point = view.on_paper(section.point)
         for direction, (name, shade) in zip((section.y, section.z), AXES[1:], strict=True):
-            tip = point + CROSS * (view.camera[:2] @ direction)
+            tip = point + CROSS * (view.camera.axes[:2] @ direction)
             axes.plot(
                 *zip(point, tip, strict=True),
                 color=shade,

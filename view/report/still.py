@@ -40,7 +40,7 @@ def still(motion: Motion) -> str:
     for seen in (*(part[0] for part in drawn), *(part[0] for part in around)):
         fitting.take(seen)
     camera, size = fitting.camera(WIDTH / HEIGHT), np.array([WIDTH, HEIGHT])
-    view = View(camera.axes, camera.axes[:2] @ camera.focus, camera.height / HEIGHT, size, size)
+    view = View(camera, size, size)
     figure = Figure(figsize=(WIDTH, HEIGHT))
     axes = pane(figure, (0.0, 0.0, 1.0, 1.0), view)
     for seen, mark in around:
