@@ -1,6 +1,5 @@
 """Arguments that several commands take, and the names of the files that they write."""
 
-from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
@@ -11,11 +10,11 @@ from .completion import files
 
 Number = TypeVar("Number", int, float)
 
+# Of superelements and of results.
 HDF5_SUFFIXES = (".h5", ".hdf5")
-"""of superelements and of results"""
 RESULTS_SUFFIXES = (*HDF5_SUFFIXES, ".nc")
+# Of body, model and study files.
 TOML_SUFFIX = ".toml"
-"""of body, model and study files"""
 
 
 def file_argument(metavar: str, help_text: str, *suffixes: str) -> Any:
@@ -77,7 +76,7 @@ def time_or_worst(at: str | None) -> "float | Literal['worst']":
 
 
 def size_of(
-    text: str | None, number: Callable[[str], Number], least: Number, most: Number, as_in: str
+    text: str | None, number: type[Number], least: Number, most: Number, as_in: str
 ) -> tuple[Number, Number] | None:
     """Width and height of "1280x720", as pixels or inches from `least` to `most`."""
     if text is None:
@@ -85,9 +84,9 @@ def size_of(
     try:
         width, height = map(number, text.lower().split("x"))
     except ValueError:
-        width = height = number("-1")
+        width = height = number(-1)
     if not (least <= width <= most and least <= height <= most):
         raise typer.BadParameter(
-            f"--size: expected WIDTHxHEIGHT from {least} to {most} {as_in}, found {text!r}"
+            f"--size: expected WIDTHxHEIGHT from {least:g} to {most:g} {as_in}, found {text!r}"
         )
     return width, height

@@ -9,8 +9,8 @@ from ..superelement import Chain, Interface, Kernel, Modes, Provenance, Rotation
 from .tables import Row, components, sectioned
 
 SHOWN_FREQUENCIES = 10
+# Of which the stiffening is shown: the softest come first.
 STIFFENED_SHAPES = 20
-"""of which the stiffening is shown"""
 UNKNOWN_STIFFENING = (
     "none, for [matrices] know none: slender bodies, as blades, soften as they turn where they "
     "would stiffen"

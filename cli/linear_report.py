@@ -18,18 +18,18 @@ from ..view import (
 )
 from .tables import table
 
+# Within its width, or a sharp peak falls between two points.
 FREQUENCIES_PER_RESONANCE = 41
-"""frequencies within the width of each resonance"""
+# Of damping: a sharper resonance counts as so wide, for its peak has no end.
 LEAST_RESONANCE_RATIO = 1e-4
-"""ratio of damping from which a resonance counts as so wide"""
+# Damping ratios, and frequencies over the largest, that count as none.
 ROUNDING_SHARE = 1e-9
-"""damping ratio, or frequency over the largest, that counts as none"""
+# Six rows of two fill a page.
 MAX_DRAWN_MODES = 12
-"""modes that are drawn"""
+# Of a Campbell diagram, in 80 columns.
 LINES_ABREAST = 6
-"""lines of a Campbell diagram side by side"""
+# Whole ones would leave four lines abreast.
 NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none"}
-"""names of whirl in narrow columns"""
 
 
 def modes_table(title: str, modes: LinearModes) -> Table:

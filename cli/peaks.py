@@ -7,8 +7,8 @@ from rich.table import Table
 from ..results import Peak
 from .tables import table
 
+# Behind frequencies at which a spectrum is not to be trusted.
 BEYOND_BAND_SIGN = "*"
-"""behind frequencies at which a spectrum is not to be trusted"""
 
 
 def peaks_table(name: str, peaks: Sequence[Peak]) -> Table:

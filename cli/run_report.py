@@ -8,8 +8,8 @@ from ..results import Results
 from ..results.motion import BALANCED_ENERGIES, Energy, Events
 from ..superelement.validation import Array
 
-NOTICEABLE = 1e-9
-"""the least reported error or change of positions [m, rad] and velocities [m/s, rad/s]"""
+# Of positions [m, rad] and velocities [m/s, rad/s]: less is the rounding of the assembly.
+NOTICEABLE_CHANGE = 1e-9
 
 
 def report(results: Results) -> Iterator[str]:
@@ -20,15 +20,15 @@ def report(results: Results) -> Iterator[str]:
         yield f"redundant constraints removed: {solver['removed']}"
     if damping := solver.get("damping"):
         yield f"damping ratios about the initial state: {damping}"
-    if solver["assembly_error"] > NOTICEABLE:
+    if solver["assembly_error"] > NOTICEABLE_CHANGE:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"
-    if solver["velocity_error"] > NOTICEABLE:
+    if solver["velocity_error"] > NOTICEABLE_CHANGE:
         error, joint = solver["velocity_error"], solver["velocity_error_at"]
         yield f"largest velocity error: {error:.3g} m/s or rad/s at {joint}"
-    if solver["moved"] > NOTICEABLE:
+    if solver["moved"] > NOTICEABLE_CHANGE:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
-    if solver["velocity_correction"] > NOTICEABLE:
+    if solver["velocity_correction"] > NOTICEABLE_CHANGE:
         change = solver["velocity_correction"]
         yield f"bodies start up to {change:.3g} m/s or rad/s from their given velocities"
     if solver["truncation"] > 0.0:

@@ -11,16 +11,16 @@ from ..superelement.validation import Array
 from ..view import Cross, Marker, Patch, Scene
 from .tables import Row, components, sectioned
 
-EXACT = "from the mesh itself"
-ESTIMATED = (
+EXACT_FREQUENCIES = "from the mesh itself"
+ESTIMATED_FREQUENCIES = (
     "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact "
     "bodies, up to a quarter where thin walls meet"
 )
 
+# They follow a vibration well, by docs/validity.md.
 STEPS_IN_PERIOD = 20
-"""time steps in a period that follow a vibration well, by docs/validity.md"""
-CROSSES = 5
-"""lines of beams whose local axes are drawn"""
+# Lines of beams whose local axes are drawn: those of all would hide each other.
+DRAWN_SECTIONS = 5
 
 
 def report(survey: Survey) -> Table:
@@ -63,7 +63,7 @@ def scene(survey: Survey) -> Scene:
 def _crosses(survey: Survey) -> list[Cross]:
     """The local axes of some lines, evenly among them."""
     points, axes = survey.section_axes()
-    some = np.unique(np.linspace(0, len(points) - 1, CROSSES).round().astype(int))
+    some = np.unique(np.linspace(0, len(points) - 1, DRAWN_SECTIONS).round().astype(int))
     return [Cross(points[i], axes[i, 1], axes[i, 2]) for i in some.tolist()]
 
 
@@ -129,7 +129,7 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
         f"first {len(frequencies.values)} [Hz]",
         ", ".join(f"{value:.5g}" for value in frequencies.values),
     )
-    yield "  found", EXACT if frequencies.exact else ESTIMATED
+    yield "  found", EXACT_FREQUENCIES if frequencies.exact else ESTIMATED_FREQUENCIES
     inside = int((frequencies.values <= band).sum())
     held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"

@@ -12,8 +12,8 @@ from ..arguments import FromTime, ResultsFile, time_or_worst
 from ..exports import EXPORT_OPTIONS, EXPORTS, Asked, described, takers
 from ..failures import errors_in_one_line, one_line
 
+# Characters: typer takes each line of a docstring as a paragraph of its own.
 HELP_WIDTH = 93
-"""characters of a line of help"""
 
 Folder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)

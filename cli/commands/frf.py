@@ -8,8 +8,8 @@ from ..arguments import ModelFile, beside
 from ..failures import errors_in_one_line
 from ..linear import LinearOutput, linear_title, tell_validity, write_output
 
-WELL_WITHIN = 0.75
-"""of the band of a superelement: there a response needs no remark"""
+# Of the band of a superelement: there a response needs no remark.
+TRUSTED_BAND_SHARE = 0.75
 
 From = Annotated[
     list[str],
@@ -71,7 +71,7 @@ def frf(
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
         bands = [body.superelement.kernel.band for body in model.flexible_bodies.values()]
-        limit = min((WELL_WITHIN * width for width in bands if width), default=float("inf"))
+        limit = min((TRUSTED_BAND_SHARE * width for width in bands if width), default=float("inf"))
         frequencies = grid(band or band_of(known, limit), points, known)  # type: ignore[arg-type]
         kinds = bodies or ["dynamic"]
         responses = {

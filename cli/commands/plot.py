@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from ...view import Curve, Run
 
 SUMMARY_SUFFIX = ".csv"
+# Other arguments are quantities.
 FILE_SUFFIXES = (*RESULTS_SUFFIXES, SUMMARY_SUFFIX)
-"""other arguments are quantities"""
+# That of a measured curve unless another is named: the first holds times.
 SECOND_COLUMN = 2
-"""that of a measured curve unless another is named"""
 
 Arguments = Annotated[
     list[str],
@@ -108,7 +108,7 @@ def plot(
     from ... import results, view
 
     window = _window(start, end)
-    inches = size_of(size, float, 1, 100, "inches, as 8x5")
+    inches = size_of(size, float, 1.0, 100.0, "inches, as 8x5")
     if at is not None and not field:
         raise typer.BadParameter("--at goes with --field")
     time = time_or_worst(at)

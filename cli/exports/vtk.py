@@ -7,8 +7,8 @@ import typer
 
 from .export import Asked, export_format
 
+# Unless more are asked for: a run of millions of steps would fill the disk.
 MAX_VTK_FRAMES = 200
-"""frames of a film unless more are asked for"""
 
 
 @export_format(

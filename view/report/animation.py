@@ -12,10 +12,10 @@ from .numbers import counted, short, vector
 from .scene import cameras, color_bar, placed, square
 from .still import still
 
-FASTEST_TURN = 0.6
-"""between instants, above which the motion between them is not what is seen [rad]"""
+# Of a body between instants [rad]: above it, the eye takes what is drawn for another motion.
+MAX_SEEN_TURN = 0.6
+# Below the animation: more would push the plots off the screen.
 MAX_NAMED_BODIES = 40
-"""bodies beside the animation"""
 
 
 def animation(motion: Motion) -> Markup:
@@ -58,7 +58,7 @@ def remarks(motion: Motion) -> list[str]:
         + f", straight between them; {drawn} of {whole} points of the bodies, rounded to 1/16000 "
         f"of their size."
     )
-    if motion.turn > FASTEST_TURN:
+    if motion.turn > MAX_SEEN_TURN:
         lines.append(
             f"Between two instants a body turns by up to {motion.turn / (2 * np.pi):.2g} "
             f"revolutions: what is seen between them is not the motion, and wheels may seem to "

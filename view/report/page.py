@@ -19,8 +19,8 @@ from .sections import SECTIONS
 
 OnPart = Callable[[int, int], object]
 """is told how many parts are made, of how many"""
+# Plots, their figures, tables, the scene.
 PARTS_BESIDE_BODIES = 4
-"""plots, their figures, tables, the scene"""
 
 
 class Section(NamedTuple):

@@ -12,14 +12,17 @@ from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Fitting
 from ..scene import Patch, Scene, View, paint, pane
-from ..space.marks import SEEN_THROUGH
+from ..space.marks import SHAPE_OPACITY
 from .motion import Motion, Shape
 from .scene import cameras
 
-WIDTH, HEIGHT, DOTS = 9.0, 4.8, 100
-"""[inch], per inch"""
-FINE, MOST_DIVISIONS = 25.0, 5
-"""of triangles, in the size of the picture"""
+STILL_WIDTH = 9.0  # [inch]
+STILL_HEIGHT = 4.8  # [inch]
+STILL_DOTS_PER_INCH = 100
+# Large triangles are divided until so many fit into the height: painted by their distance, they
+# would hide each other wrongly.
+STILL_FINENESS = 25.0
+MAX_DIVISIONS = 5
 
 
 def still(motion: Motion) -> str:
@@ -39,20 +42,20 @@ def still(motion: Motion) -> str:
     fitting = Fitting(cameras(motion)["Overview"].axes)
     for seen in (*(part[0] for part in drawn), *(part[0] for part in around)):
         fitting.take(seen)
-    camera, size = fitting.camera(WIDTH / HEIGHT), np.array([WIDTH, HEIGHT])
+    camera, size = fitting.camera(STILL_WIDTH / STILL_HEIGHT), np.array([STILL_WIDTH, STILL_HEIGHT])
     view = View(camera, size, size)
-    figure = Figure(figsize=(WIDTH, HEIGHT))
+    figure = Figure(figsize=(STILL_WIDTH, STILL_HEIGHT))
     axes = pane(figure, (0.0, 0.0, 1.0, 1.0), view)
     for seen, mark in around:
         corners, tint = view.on_paper(seen[mark.glyph.triangles]), to_rgb(mark.color)
-        faint = PolyCollection([*corners], facecolors=[tint], linewidths=0.0, alpha=SEEN_THROUGH)
+        faint = PolyCollection([*corners], facecolors=[tint], linewidths=0.0, alpha=SHAPE_OPACITY)
         axes.add_collection(faint)
-    longest = camera.height / FINE
+    longest = camera.height / STILL_FINENESS
     patches = [_patch(seen, triangles, color, longest) for seen, triangles, _, color in drawn]
     lines = np.concatenate([seen[lines] for seen, _, lines, _ in drawn])
     paint(axes, Scene(patches, lines), view)
     image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=DOTS)
+    figure.savefig(image, format="png", dpi=STILL_DOTS_PER_INCH)
     return f"data:image/png;base64,{base64.b64encode(image.getvalue()).decode('ascii')}"
 
 
@@ -65,7 +68,7 @@ def _patch(points: Array, triangles: IntArray, color: str, longest: float) -> Pa
 
 def _divided(corners: Array, longest: float) -> Array:
     """Triangles (m, 3, 3) with sides of at most about this length, for large ones hide wrongly."""
-    for _ in range(MOST_DIVISIONS):
+    for _ in range(MAX_DIVISIONS):
         sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         large = corners[sides > longest]
         if not len(large):

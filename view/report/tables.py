@@ -18,8 +18,8 @@ from .markup import Markup, facts, folded, joined, note, part, table
 from .numbers import counted, short, vector
 from .origin import origin, tables
 
-MOST_ROWS = 200
-"""of a table: the first ones, with a line that says how many there are"""
+# A chattering contact has thousands of events, which CSV files are for.
+MAX_TABLE_ROWS = 200
 
 
 def validity_table(results: Results) -> Markup:
@@ -264,7 +264,7 @@ def _limited(
     headings: tuple[str, ...], rows: Sequence[tuple[object, ...]], numbers: str = ""
 ) -> Markup:
     """A table of the first rows, with a line where there are more."""
-    shown = table(headings, rows[:MOST_ROWS], numbers)
-    if len(rows) <= MOST_ROWS:
+    shown = table(headings, rows[:MAX_TABLE_ROWS], numbers)
+    if len(rows) <= MAX_TABLE_ROWS:
         return shown
-    return joined([shown, note(f"The first {MOST_ROWS} of {len(rows)} rows.")])
+    return joined([shown, note(f"The first {MAX_TABLE_ROWS} of {len(rows)} rows.")])

@@ -9,14 +9,15 @@ from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..errors import PictureError
 
+# Between neighboring triangles, from which on their edge is sharp [degrees]: fillets stay smooth.
 SHARP_ANGLE = 35.0
-"""between neighboring triangles, from which on their edge is sharp [degrees]"""
 # VTK would turn triangles around that it takes for wrong, and colors belong to points as they are.
 AS_THEY_ARE: dict[str, Any] = {
     "consistent_normals": False,
     "auto_orient_normals": False,
     "cell_normals": False,
 }
+# By its number of points, in meshio's order.
 POINTS_AROUND_FACET = {
     3: (0, 1, 2),
     4: (0, 1, 2, 3),
@@ -24,7 +25,6 @@ POINTS_AROUND_FACET = {
     8: (0, 4, 1, 5, 2, 6, 3, 7),
     9: (0, 4, 1, 5, 2, 6, 3, 7),
 }
-"""the points around a facet by its number of points, in meshio's order"""
 
 
 def pyvista() -> Any:

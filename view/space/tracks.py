@@ -9,7 +9,7 @@ from ...results.recovery import Instants, instants
 from ...results.rotations import inverse, rotate
 from ...superelement.validation import Array
 
-GROUND = "ground"
+GROUND_NAME = "ground"
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Tracks:
     def find(self, name: str) -> Track | None:
         """The track of "BODY.FRAME", "BODY" or "ground.FRAME"; None where it is not known."""
         body, _, frame = name.partition(".")
-        if body == GROUND:
+        if body == GROUND_NAME:
             known = self._results.ground_frames
             return self._still(known[frame]) if frame in known else None
         if f"frames/{name}" in self._recorded:
@@ -84,7 +84,7 @@ class Tracks:
 
     def end(self, name: str, other: str) -> Track | None:
         """The track of an end of a coupling; "ground" is where the other end starts."""
-        if name != GROUND:
+        if name != GROUND_NAME:
             return self.find(name)
         if f"frames/{other}" in self._recorded:
             return self._still(self._results.frame(other).position[0])

@@ -173,9 +173,9 @@ def test_a_run_that_recorded_one_number_has_a_page_that_says_what_is_missing(bea
 
 
 def test_a_table_of_many_rows_says_that_it_ends_early():
-    rows = [(str(i),) for i in range(tables.MOST_ROWS + 1)]
+    rows = [(str(i),) for i in range(tables.MAX_TABLE_ROWS + 1)]
     shown = Parsed(tables._limited(("n",), rows)).text
-    assert f"The first {tables.MOST_ROWS} of {tables.MOST_ROWS + 1} rows." in shown
+    assert f"The first {tables.MAX_TABLE_ROWS} of {tables.MAX_TABLE_ROWS + 1} rows." in shown
 
 
 def test_numbers_that_are_none_are_dashes(results):
