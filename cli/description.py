@@ -61,6 +61,7 @@ def _channels(element: Superelement) -> Iterator[Row]:
 
 def _frequencies(modes: Modes | None) -> Iterator[Row]:
     if modes is None:
+        # Another step or rho_inf is made from modes; a kernel alone is what it was sampled as.
         yield "modes", "none, so the step and rho_inf of the kernel are fixed"
         return
     first = np.sort(modes.resonances)[:SHOWN_FREQUENCIES] / (2.0 * np.pi)

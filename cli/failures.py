@@ -72,6 +72,7 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
     exported = _exported_exceptions(*packages)
     own_warnings = tuple(item for item in exported if issubclass(item, Warning))
     with warnings.catch_warnings():
+        # Python shows a warning once for each place in the code, and users want it for each body.
         for category in own_warnings:
             warnings.simplefilter("always", category)
         show, told = warnings.showwarning, set[str]()

@@ -103,6 +103,7 @@ def band_of(modes: LinearModes, limit: float = np.inf) -> tuple[float, float]:
     """
     moving = np.sort(modes.frequencies[modes.frequencies > 0.0])
     if not len(moving):
+        # Rigid bodies that nothing holds: any band shows their masses.
         return 1.0, 1000.0
     first = float(moving[0])
     return first / 5.0, max(min(2.0 * float(moving[:10][-1]), limit), 2.0 * first)
@@ -115,35 +116,30 @@ def response_csv(responses: Mapping[str, FrequencyResponse]) -> list[list[str]]:
     """
     first = next(iter(responses.values()))
     columns = [["frequency_Hz", *map(repr, first.frequencies.tolist())]]
-    for remark, response in responses.items():
-        columns += _response_columns(remark, response)
+    for curve in _curves(responses):
+        columns.append([f"{curve.name} [{curve.unit}]", *_numbers(np.abs(curve.values))])
+        columns.append([f"{curve.name} phase [rad]", *_numbers(np.angle(curve.values))])
     return [list(row) for row in zip(*columns, strict=True)]
 
 
-def _response_columns(remark: str, response: FrequencyResponse) -> Iterator[list[str]]:
-    """Magnitudes and phases, each under its name."""
-    for i, (output, unit) in enumerate(zip(response.outputs, response.units, strict=True)):
-        for j, given in enumerate(response.inputs):
-            name, values = f"{output} by {given}{remark}", response.values[:, i, j]
-            yield [f"{name} [{per(unit, response.input_units[j])}]", *_numbers(np.abs(values))]
-            yield [f"{name} phase [rad]", *_numbers(np.angle(values))]
-
-
-def _numbers(values: Array) -> list[str]:
-    return list(map(repr, values.tolist()))
-
-
-def response_picture(title: str, responses: dict[str, FrequencyResponse]) -> Any:
-    """All outputs by all inputs; responses: by what is said behind their names."""
-    curves = []
+def _curves(responses: Mapping[str, FrequencyResponse]) -> Iterator[ResponseCurve]:
+    """Every output by every input."""
     for remark, response in responses.items():
         for i, output in enumerate(response.outputs):
             for j, given in enumerate(response.inputs):
                 unit = per(response.units[i], response.input_units[j])
-                values = response.values[:, i, j]
-                curves.append(ResponseCurve(f"{output} by {given}{remark}", unit, values))
+                yield ResponseCurve(f"{output} by {given}{remark}", unit, response.values[:, i, j])
+
+
+def _numbers(values: Array) -> list[str]:
+    # As many digits as read back to the same number.
+    return list(map(repr, values.tolist()))
+
+
+def response_picture(title: str, responses: Mapping[str, FrequencyResponse]) -> Any:
+    """All outputs by all inputs; responses: by what is said behind their names."""
     frequencies = next(iter(responses.values())).frequencies
-    return draw_response(frequencies, curves, title)
+    return draw_response(frequencies, list(_curves(responses)), title)
 
 
 def static_table(response: FrequencyResponse) -> Table:
@@ -205,6 +201,7 @@ def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
                 f"{order:g}x meets line {crossing.line + 1} ({whirl}) at {crossing.spin:.6g} "
                 f"rad/s, {turns:.6g} turns per minute: {crossing.frequency:.6g} Hz"
             )
+    # A mode that grows is told even where no engine order meets it.
     for spin in diagram.spins[diagram.unstable].tolist():
         yield f"UNSTABLE at {spin:.6g} rad/s: a mode grows, see `duhamel modes` at that spin"
 

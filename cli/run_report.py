@@ -89,6 +89,7 @@ def _created(energy: Energy, rule: str) -> Iterator[str]:
     """A line where the convolution has created energy."""
     put_in = energy.elastic + energy.numerical
     lowest, scale = float(put_in.min()), float(np.abs(put_in).max())
+    # Two bounds: rounding of large energies, and that of a run in which nothing vibrates.
     if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
         yield (
             f"elastic energy fell to {lowest:.3g} J: the convolution has created energy "

@@ -18,6 +18,7 @@ def run_spread(processes: int, body_file: Path, output: Path | None) -> None:
 
     target = [] if output is None else ["-o", str(output)]
     code = run_on(processes, [str(body_file), *target])
+    # With these the first process has told why itself.
     if code not in (0, 1, INTERRUPTED_CODE):
         told = (
             f"error: {body_file}: mpiexec ended with {code}: a process was killed, perhaps for "

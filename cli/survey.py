@@ -54,6 +54,7 @@ def scene(survey: Survey) -> Scene:
         for name, sensor in survey.body.sensors.items()
     ]
     if facets is None:
+        # Lines do not show which way a section is turned: its axes do.
         lines = mesh.points[mesh.cells["line"]]
         return Scene(lines=lines, markers=markers, masses=masses, sections=_crosses(survey))
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]

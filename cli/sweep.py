@@ -44,6 +44,7 @@ def tell_size(folder: Path) -> OnBegin:
     """Tells what the cases will write, if that is much or the disk of their folder has no room."""
 
     def begin(cases: int, size: int) -> None:
+        # The folder of a new study is not there yet, but the disk is that of its parents.
         existing = next(path for path in (folder, *folder.parents) if path.is_dir())
         free = shutil.disk_usage(existing).free
         if size < min(LEAST_TOLD_BYTES, free):

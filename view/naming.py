@@ -5,14 +5,11 @@ stands without its kind is a letter alone.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..results import Results
 from ..results.quantities import ENERGY_LABELS, KINDS_BY_NAME, words
 from ..results.transforms import Series
-
-if TYPE_CHECKING:
-    from .quantities import Curve
+from .curve import Curve
 
 # Of which two make a way in space.
 PLACE_KINDS = {"position", "displacement", "elastic displacement"}
@@ -53,13 +50,13 @@ def unit(found: Series) -> str:
     return found.unit
 
 
-def in_full(curve: "Curve") -> str:
+def in_full(curve: Curve) -> str:
     """ "hub, angular velocity about z"."""
     title, _ = title_and_labels([curve])
     return title
 
 
-def title_and_labels(curves: "Sequence[Curve]") -> tuple[str, list[str]]:
+def title_and_labels(curves: Sequence[Curve]) -> tuple[str, list[str]]:
     """Find what all curves share, and what tells each from the others ("" if nothing does).
 
     Parameters

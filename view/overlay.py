@@ -7,8 +7,8 @@ import numpy as np
 
 from ..results.transforms import Window
 from ..superelement.validation import Array
+from .curve import PLANE_PAPERS, Curve
 from .errors import PictureError
-from .quantities import PLANE_PAPERS, Curve
 
 # The curves of a single run have no name of their own beside measured ones.
 SIMULATED_LABEL = "simulated"

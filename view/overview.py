@@ -8,7 +8,8 @@ import numpy as np
 from ..results import QuantityError, Results
 from ..results.quantities import AXES
 from ..superelement.validation import Array
-from .quantities import Curve, curves
+from .curve import Curve
+from .quantities import curves
 
 # More lines cannot be told apart, and more panels not be seen at once.
 MAX_CURVES = 6

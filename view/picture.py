@@ -19,9 +19,9 @@ from matplotlib.text import Text
 from ..files.outputs import renamed_when_whole
 from ..superelement.validation import Array
 from . import naming, planes, spectra
+from .curve import PLANE_PAPERS, Curve
 from .errors import PictureError, require_target
 from .prefixes import UNIT_PREFIXES, exponent_of, with_unit
-from .quantities import PLANE_PAPERS, Curve
 from .styles import COLORS, styles
 
 PICTURE_STYLE: dict[Any, Any] = {

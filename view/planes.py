@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 
 from ..superelement.validation import Array
 from . import naming
+from .curve import Curve
 from .prefixes import UNIT_PREFIXES, exponent_of, with_unit
-from .quantities import Curve
 from .styles import styles
 
 # Characters of a line beside an axis; longer ones are folded.

@@ -12,8 +12,9 @@ import numpy as np
 from ..results import QuantityError, Results, SeriesError
 from ..results.transforms import Window, split
 from ..results.wildcards import WILDCARD_STAR, named, of_all
+from .curve import Curve
 from .errors import PictureError, PictureWarning
-from .quantities import AGAINST_WORD, Curve, curves
+from .quantities import AGAINST_WORD, curves
 
 # Of one panel, by a star: more cannot be told apart.
 MAX_STAR_CURVES = 12

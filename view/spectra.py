@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from ..results.series.bands import OCTAVE_RATIO
 from ..results.transforms import STANDARD_GRAVITY
 from ..superelement.validation import Array
-from .quantities import Curve
+from .curve import Curve
 from .styles import styles
 
 # Of the ends of an ordinate: a flat spectrum is to look flat.

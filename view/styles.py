@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from .quantities import Curve
+from .curve import Curve
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """the palette of Okabe and Ito, which the color-blind can distinguish"""

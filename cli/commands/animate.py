@@ -139,6 +139,7 @@ def _require_sense(
         return
     if frames is not None or fps is not None or seconds is not None:
         raise typer.BadParameter("--frames, --fps and --seconds are of films, found --at")
+    # The worst time is looked for in a window; another one says all itself.
     if at != "worst" and (start is not None or end is not None):
         raise typer.BadParameter(f"--from and --to go with --at worst, found --at {at}")
 

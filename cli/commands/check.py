@@ -70,6 +70,8 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
         else:
             body = preprocess.read_body(body_file)
         if body is not None:
+            # The only check that reads the mesh: a file that is consistent in itself may be of
+            # another one.
             with Progress(Work("static solution of the mesh")):
                 checks.append(preprocess.static_check(element, body))
     rows = [

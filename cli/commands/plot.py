@@ -140,6 +140,7 @@ def _sorted(arguments: Sequence[str]) -> tuple[list[Path], list[str]]:
     files, quantities = [Path(arguments[0])], []
     for text in arguments[1:]:
         path = Path(text)
+        # A results file may have any suffix, but every quantity with a name has a colon.
         if path.suffix.lower() in FILE_SUFFIXES or (":" not in text and _is_file(path)):
             files.append(path)
         else:
@@ -163,6 +164,7 @@ def _panels(
         return [view.panel(runs, text, gravities, window) for text in quantities]
     if len(runs) == 1 and window is None and not gravities:
         return view.overview(runs[0].results)
+    # Of several runs the first one chooses, so that all are compared in the same quantities.
     shown = view.overview_quantities(runs[0].results)
     return [view.panel(runs, ",".join(panel), gravities, window) for panel in shown]
 
@@ -186,6 +188,7 @@ def _with_overlays(
     drawn = list(panels)
     with errors_in_one_line(solver):
         for n, text in enumerate(overlays):
+            # A file whose own name has a colon is taken as it is.
             path, _, column = text.partition(":") if not _is_file(Path(text)) else (text, "", "")
             chosen = int(column) if column.isdigit() else column or SECOND_COLUMN
             times, values = solver.Recorded(path, chosen).points

@@ -69,6 +69,7 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
     target = output or beside(body_file, ".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
+        # Before hours of work, not after them.
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))

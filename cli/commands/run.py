@@ -36,6 +36,7 @@ def run(
     from ..run_report import report
 
     target = output or results_of(model_file)
+    # Once steps are made, `simulate` says itself what an interrupt leaves.
     unbegun = unwritten(target, "before the first step")
     with errors_in_one_line(solver, superelement), unbegun:
         model = solver.read_model(model_file)

@@ -66,5 +66,6 @@ def sweep(
     typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
     if plot:
         plot_summary(plan.summary, [], None, None)
+    # Last, for the cases that did not fail are told and drawn all the same.
     if failed:
         raise typer.Exit(1)

@@ -33,6 +33,7 @@ def make(kind: StarterKind, folder: Path, schemas: Mapping[str, Any]) -> None:
             raise StarterError(f"{folder}: expected a new or an empty folder: nothing is replaced")
         for name, content in _files(kind, schemas):
             path = folder / name
+            # Noted before they are made, so that a full disk leaves nothing behind.
             made += [part for part in (path, *path.parents) if not part.exists()]
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)

@@ -11,9 +11,9 @@ import numpy as np
 from ...results import QuantityError, Results
 from ...results.quantities import KINDS_BY_NAME, evaluate, names_in_role
 from ...superelement.validation import Array
+from ..curve import Curve
 from ..naming import in_full, title_and_labels
 from ..overview import overview
-from ..quantities import Curve
 from .thinning import kept
 
 # As many as there are colors: the largest ones.
