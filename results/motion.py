@@ -585,6 +585,13 @@ class MotorMotion(Recorded, group="motors", owner="motor"):
     """(n,) -1 at the lower limit, 1 at the upper one, 0 between them"""
 
 
+# In the order in which reports have them.
+BALANCED_ENERGIES = (
+    *("kinetic", "elastic", "springs", "potential"),
+    *("work", "dissipated", "numerical"),
+)
+
+
 class Energy(Recorded, group="energy"):
     """Energies over time (n,) [J].
 
@@ -643,6 +650,15 @@ class Energy(Recorded, group="energy"):
         derive=balance,
     )
     """(n,) change of all energies since t = 0 plus both dissipations minus external work [J]"""
+
+    def imbalance(self) -> tuple[float, float]:
+        """The largest balance [J], and over the largest energy that moved (0 where none did)."""
+        largest = float(np.abs(self.balance).max())
+        moved = [np.abs(getattr(self, name)).max() for name in BALANCED_ENERGIES]
+        # The level of potential energy is arbitrary: its change is what moved.
+        moved[BALANCED_ENERGIES.index("potential")] = np.ptp(self.potential)
+        scale = float(max(moved))
+        return largest, largest / scale if scale > 0.0 else 0.0
 
 
 class Momentum(Recorded, group="momentum"):

@@ -412,6 +412,12 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
     (11, 3)
     """
     kind_name, *names = quantity.split(":")
+    if kind_name == "von_mises":
+        raise QuantityError(
+            f"{quantity}: a field on the surface of a body, not one number over time: "
+            f"`duhamel peaks RESULTS.h5 von_mises:BODY` tells its largest value, and "
+            f"`duhamel plot RESULTS.h5 --field von_mises:BODY` draws it"
+        )
     if kind_name not in KINDS_BY_NAME:
         raise QuantityError(
             f"{quantity}: no quantity {kind_name!r}; there are: "
