@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import pickle
 import pkgutil
 
 import duhamel
@@ -146,7 +147,7 @@ def test_handles_name_bodies_frames_and_couplings(element):
     assert wall == m.ground["wall"]
     assert m.add(du.RigidBody(1.0, [1.0] * 3)).name == "body1"
     assert m.add(element).name == "beam"
-    assert repr(m).startswith("<Mechanism: bodies hub, rod, body1, beam; 2 joints; 1 springs")
+    assert repr(m).startswith("<Mechanism: bodies hub, rod, body1, beam; 2 joints; 1 spring;")
 
 
 def test_a_run_has_its_parts_by_name_and_by_handle(element):
@@ -265,6 +266,27 @@ def test_what_cannot_be_is_one_line(element, spoil, message):
         spoil(m)
     assert message in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+def test_a_handle_of_another_mechanism_is_refused(element):
+    m, other = pendulum(element), pendulum(element)
+    wall = other.ground.frame("wall")
+    m.ground.frame("wall")
+    stop = {"stiffness": 1e4, "name": "second"}
+    named = pytest.raises(solver.ModelError, match=r"is of another mechanism, <Mechanism: bodies")
+    for foreign in (
+        lambda: m.add(du.joints.Fixed(m["hub"], other["rod"]["tip"], name="weld")),
+        lambda: m.add(du.joints.Fixed(wall, m["rod"]["tip"], name="weld")),
+        lambda: m.add(du.loads.Force(other["hub"], "z", du.signals.Constant(1.0))),
+        lambda: m.add(du.stops.stop(other["hinge"], "angle", (-1.0, 1.0), **stop)),
+        lambda: m.add(element, name="blade", place={"root": other["hub"]["rim"]}),
+    ):
+        with named:
+            foreign()
+    # Names are those of any mechanism, and so is what has names alone.
+    load = du.loads.Force("rod.tip", "z", du.signals.Constant(1.0))
+    assert m.add(other.add(load)).on == "rod.tip"
+    assert pickle.loads(pickle.dumps(m.model())).joints[0].name == "hinge"
 
 
 def test_a_part_is_no_body_yet():
