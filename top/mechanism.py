@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar, overload
 
 import numpy as np
 from duhamel import solver, superelement, view
@@ -24,6 +24,23 @@ from .runs import Run
 MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
+AnyPart = TypeVar(
+    "AnyPart",
+    bound=(
+        solver.Joint
+        | solver.Spring
+        | solver.PrescribedDisplacement
+        | solver.PrescribedRotation
+        | solver.PrescribedOrientation
+        | solver.Load
+        | solver.PatternLoad
+        | solver.Contact
+        | solver.Stop
+        | solver.Motor
+        | solver.Coupler
+    ),
+)
+"""what acts between bodies"""
 
 
 class _Owned(str):
@@ -196,6 +213,22 @@ class Mechanism:
         ]
         return f"<Mechanism: {'; '.join([f'bodies {named}', *parts])}>"
 
+    @overload
+    def add(
+        self,
+        what: Superelement | AnyRigidBody | solver.FlexibleBody | str | os.PathLike[str],
+        name: str = "",
+        *,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        place: Mapping[str, str | Framed] | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        rigid: bool = False,
+        second_order: Literal["auto", "full", "off"] = "auto",
+    ) -> BodyHandle: ...
+    @overload
+    def add(self, what: AnyPart, name: str = "") -> AnyPart: ...
     def add(
         self,
         what: Any,
