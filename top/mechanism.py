@@ -499,6 +499,8 @@ class Mechanism:
             name = next(free for free in numbers if free not in self.bodies)
         if name in self.bodies:
             raise solver.ModelError(f"bodies: a body named {quoted(name)} is there already")
+        if name in {entry.name for entry in self._named()}:
+            raise solver.ModelError(f"bodies: {quoted(name)} is there already, and no body")
         if name == "ground" or not is_name(name):
             raise solver.ModelError(
                 f"bodies: a body cannot be named {quoted(name)}: expected {FORM_OF_NAMES}, other "
@@ -509,10 +511,12 @@ class Mechanism:
         return BodyHandle(self, _Owned(name, self))
 
     def _check_owners(self, owner: str, entry: Any) -> None:
-        """`ModelError` where a field of an entry came from a handle of another mechanism."""
+        """`ModelError` where a field of an entry came from a handle of another mechanism.
+
+        Its own name does not count: it gets another one here.
+        """
         fields = {} if entry is None else vars(entry)
         for field, value in fields.items():
-            # Its own name it gets here, whichever mechanism had it before.
             if field == "name":
                 continue
             for name in value if isinstance(value, tuple) else (value,):
@@ -531,7 +535,7 @@ class Mechanism:
         entries = (*self._entries[group], entry)
         if hasattr(entry, "name"):
             taken = {other.name for other in self._named()}
-            if entry.name in taken:
+            if entry.name in taken or entry.name in self.bodies:
                 raise solver.ModelError(f"{group}: {quoted(entry.name)} is there already")
             *others, entry = numbered(group.removesuffix("s"), entries, taken)
             entries = (*others, replace(entry, name=_Owned(entry.name, self)))

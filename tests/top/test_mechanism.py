@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import inspect
 import pickle
 import pkgutil
 
@@ -190,7 +191,10 @@ def test_pictures_are_saved_and_shown_in_notebooks(element, tmp_path):
     assert picture.save(tmp_path / "run.png").stat().st_size > 10_000
     assert picture._repr_png_().startswith(b"\x89PNG")
     assert run.plot().figure.axes
-    assert [peak.quantity for peak in run.peaks("hinge.angle")] == ["coordinate:hinge:angle"]
+    found = run.peaks("hinge.angle")
+    assert [peak.quantity for peak in found] == ["coordinate:hinge:angle"]
+    assert str(found).startswith("quantity ")
+    assert "coordinate:hinge:angle  rad " in str(found)
 
 
 def test_a_mechanism_is_drawn_at_its_start(element, tmp_path):
@@ -248,6 +252,14 @@ def test_a_simulator_steps_the_same_motion(element):
         (lambda m: m.ground["wall"], "no frame 'wall' on 'ground'; it has: none"),
         (lambda m: m["leg"], "nothing is named 'leg'; there are: hub, rod, hinge"),
         (lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="hub"), "named 'hub' is there already"),
+        (
+            lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="hinge"),
+            "'hinge' is there already, and",
+        ),
+        (
+            lambda m: m.add(du.joints.Fixed(m.ground, m["hub"], name="rod")),
+            "'rod' is there already",
+        ),
         (lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="ground"), "cannot be named 'ground'"),
         (lambda m: m.add(du.joints.Fixed(m.ground, m["hub"], name="hinge")), "'hinge' is there"),
         (lambda m: m.add(du.joints.Revolute(m.ground, m["hub"], "q")), "axis: expected three"),
@@ -287,6 +299,16 @@ def test_a_handle_of_another_mechanism_is_refused(element):
     load = du.loads.Force("rod.tip", "z", du.signals.Constant(1.0))
     assert m.add(other.add(load)).on == "rod.tip"
     assert pickle.loads(pickle.dumps(m.model())).joints[0].name == "hinge"
+
+
+def test_joints_show_what_they_take():
+    assert list(inspect.signature(du.joints.Prismatic).parameters)[:4] == [
+        "frame_a",
+        "frame_b",
+        "axis",
+        "name",
+    ]
+    assert list(inspect.signature(solver.Joint).parameters)[:2] == ["name", "type"]
 
 
 def test_a_part_is_no_body_yet():
