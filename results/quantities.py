@@ -9,6 +9,7 @@ record gives it (motion.py); a few kinds more are computed here.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -380,6 +381,13 @@ class Evaluated(NamedTuple):
     """what its whole numbers mean"""
 
 
+def _meant(kind: str) -> str:
+    """The quantities that a name which is none may stand for, as a question."""
+    begun = [known for known in KINDS_BY_NAME if kind and known.startswith(kind)]
+    near = begun or get_close_matches(kind, KINDS_BY_NAME, cutoff=0.75)
+    return f"did you mean {' or '.join(map(repr, near[:3]))}? " if near else ""
+
+
 def evaluate(results: Results, quantity: str) -> Evaluated:
     """A quantity by the name that `plot` and studies take, KIND:NAME[:NAME][:AXIS].
 
@@ -420,7 +428,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
         )
     if kind_name not in KINDS_BY_NAME:
         raise QuantityError(
-            f"{quantity}: no quantity {kind_name!r}; there are: "
+            f"{quantity}: no quantity {kind_name!r}; {_meant(kind_name)}there are: "
             f"{', '.join(map(usage, KINDS_BY_NAME))}"
         )
     kind = KINDS_BY_NAME[kind_name]

@@ -67,7 +67,7 @@ class Criterion:
 
 _DIVIDE_BODY = "divide the body into several superelements"
 MEND_DEFORMATION = f"{_DIVIDE_BODY}, or check loads and units"
-_ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
+_ADD_ROTATION = "add [rotation] to its body file, or part.rotation() in Python, with the mesh"
 _CRITERIA_IN_ORDER = (
     Criterion(
         "elastic_rotation",

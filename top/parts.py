@@ -328,12 +328,19 @@ class Part:
 
         The parameters are those of `superelement`.
         """
+        known = ["step", "duration", *ImpulseOptions.__annotations__]
+        if unknown := [name for name in impulse if name not in known]:
+            raise preprocess.BodyError(
+                f"part {self.name!r}: unknown keyword {unknown[0]!r}; known are {', '.join(known)}"
+            )
         asked: dict[str, Any] = {"step": step, **impulse}
         if step is not None:
             asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
         table, read = dict(self._table), self._table.get("impulse")
-        known = {} if read is None else read.model_dump(exclude_unset=True)
-        table["impulse"] = known | {key: value for key, value in asked.items() if value is not None}
+        before = {} if read is None else read.model_dump(exclude_unset=True)
+        table["impulse"] = before | {
+            key: value for key, value in asked.items() if value is not None
+        }
         if "step" not in table["impulse"]:
             raise preprocess.BodyError(
                 f"part {self.name!r}: step: expected that of the impulse responses [s], found none"

@@ -1,5 +1,6 @@
 """Families of entries that model files distinguish: by the key `type`, or by which key is there."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -36,6 +37,14 @@ class ByType(type):
     So `Joint("pin", "revolute", ["ground", "arm"], [0, 0, 1])` of earlier versions still is a
     `Revolute`. A kind itself is made as any class.
     """
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        # Otherwise help() and notebooks would show that of the call below, which takes anything.
+        if "of_type" in vars(cls):
+            return inspect.signature(cls.of_type)  # type: ignore[attr-defined]
+        made = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return made.replace(parameters=list(made.parameters.values())[1:])
 
     def __call__(cls, *args: Any, **given: Any) -> Any:
         # Here, before __init__, since dataclasses.replace makes its copies by this call as well.

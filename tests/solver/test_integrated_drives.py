@@ -311,7 +311,13 @@ def test_the_area_that_steps_miss_is_told():
     """A half-sine of two steps in a table has more area than its samples."""
     x = np.linspace(0.0, 1.0, 21)
     table = Table(1.03e-2 + 2e-3 * x, 100.0 * np.sin(np.pi * x))
-    for signal, warned in ((table, True), (HalfSine(100.0, 2e-3, 1.03e-2), False)):
+    within_a_step = HalfSine(100.0, 2e-4, 1.03e-2)
+    for signal, warned in (
+        (table, True),
+        (HalfSine(100.0, 2e-3, 1.03e-2), False),
+        (HalfSine(100.0, 1e-3, 1e-2), False),
+        (within_a_step, False),
+    ):
         model = Model(
             {"block": BODY},
             loads=[Force("block", [1, 0, 0], signal)],

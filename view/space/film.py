@@ -191,7 +191,7 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     if stage.magnification != 1.0:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
-        notes.append("elastic motion in part unknown")
+        notes.append("elastic motion between interfaces unknown")
     scale = scale_of(stage.field, stage.largest) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
     return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
