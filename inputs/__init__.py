@@ -4,7 +4,7 @@ from .errors import InputError, dotted, quoted
 from .json_schema import Also, Shown, document_of, member_of
 from .names import NAME_FORM as FORM_OF_NAMES
 from .names import is_name
-from .table import Table, Vector, expected, read_part, read_table
+from .table import Table, Vector, check, expected, read_part, read_table
 from .text import parse_toml, read_text, read_toml
 from .writing import toml_of
 
@@ -15,6 +15,7 @@ __all__ = [
     "Shown",
     "Table",
     "Vector",
+    "check",
     "document_of",
     "dotted",
     "expected",

@@ -2,7 +2,7 @@
 
 import difflib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
@@ -71,6 +71,10 @@ class Table(_Model):
     documented: ClassVar[tuple[type[Any], ...]] = ()
     """the classes whose docstrings describe the keys, besides this one"""
 
+    def given(self, *keys: str) -> dict[str, Any]:
+        """Those of some keys that have a value, with it."""
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
+
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
         schema: dict[str, Any] = handler(core_schema)
@@ -96,6 +100,16 @@ class Table(_Model):
 
 
 AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+def check(method: Callable[[AnyTable], None]) -> Any:
+    """A method of a table that is called when one is made: ValueError for keys that disagree."""
+
+    def checked(table: AnyTable) -> AnyTable:
+        method(table)
+        return table
+
+    return model_validator(mode="after")(checked)
 
 
 def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:

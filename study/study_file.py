@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ..files.memory import shortage
 from ..files.outputs import clash, resolved
-from ..inputs import InputError, Table, document_of, read_table, read_toml
+from ..inputs import InputError, Table, check, document_of, read_table, read_toml
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
@@ -35,17 +35,15 @@ class _StudyFile(Table):
     derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> "_StudyFile":
+    @check
+    def _one_of_each(self) -> None:
         for pair in (("model", "body"), ("parameters", "table")):
-            present = [key for key in pair if getattr(self, key) is not None]
-            if len(present) != 1:
+            if len(found := self.given(*pair)) != 1:
                 raise ValueError(
-                    f"expected one of {' and '.join(pair)}, found {' and '.join(present) or 'none'}"
+                    f"expected one of {' and '.join(pair)}, found {' and '.join(found) or 'none'}"
                 )
         if self.design is not None and self.parameters is None:
             raise ValueError("design: expected with parameters, found with table")
-        return self
 
 
 @dataclass(frozen=True)

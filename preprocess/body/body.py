@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -16,7 +16,6 @@ from pydantic import (
     SerializationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
-    model_validator,
 )
 
 from ...inputs import (
@@ -25,6 +24,7 @@ from ...inputs import (
     InputError,
     Table,
     Vector,
+    check,
     document_of,
     expected,
     is_name,
@@ -98,8 +98,8 @@ class PointMass(Selection):
     ) * 3
     interface: str | None = None
 
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
+    @check
+    def _one_place(self) -> None:
         others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
             raise ValueError(
@@ -110,10 +110,9 @@ class PointMass(Selection):
                 "expected interface, or what it selects on the mesh: node, group, plane, "
                 "..., found none"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _a_mass(self) -> Self:
+    @check
+    def _a_mass(self) -> None:
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
@@ -122,7 +121,6 @@ class PointMass(Selection):
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
-        return self
 
     @property
     def selection(self) -> InterfaceSelection | None:
@@ -153,8 +151,8 @@ class Impulse(Table):
     modes: PositiveInt | None = None
     solver: SolverName = "auto"
 
-    @model_validator(mode="after")
-    def _of_this_world(self) -> Self:
+    @check
+    def _of_this_world(self) -> None:
         if not SHORTEST <= self.step <= LONGEST_STEP:
             raise ValueError(
                 f"step: expected {SHORTEST:g} to {LONGEST_STEP:g} s, found {self.step:g}"
@@ -163,34 +161,31 @@ class Impulse(Table):
             raise ValueError(
                 f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _below_nyquist(self) -> Self:
+    @check
+    def _below_nyquist(self) -> None:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
                 "band: expected at most the Nyquist frequency of the step, "
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _solver_of_its_method(self) -> Self:
+    @check
+    def _solver_of_its_method(self) -> None:
         if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
             raise ValueError(
                 f"solver: expected only with method krylov, found it with {self.method}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _modes_of_their_methods(self) -> Self:
+    @check
+    def _modes_of_their_methods(self) -> None:
         if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
                     f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
-            return self
+            return
         if self.modes is None:
             raise ValueError(f"modes: method {self.method} needs a number of modes, found none")
         if others := sorted(self.model_fields_set & {"band", "tolerance"}):
@@ -198,7 +193,6 @@ class Impulse(Table):
                 f"{' and '.join(others)}: expected only with other methods: with {self.method} "
                 "the band and its error follow from modes"
             )
-        return self
 
 
 class RecoveredFields(Table):
@@ -246,13 +240,7 @@ class Matrices(Table):
     @property
     def files(self) -> dict[str, Path]:
         """The paths of the files by their keys."""
-        given = {
-            "stiffness": self.stiffness,
-            "mass": self.mass,
-            "nodes": self.nodes,
-            "dofs": self.dofs,
-        }
-        return {key: path for key, path in given.items() if path is not None}
+        return self.given("stiffness", "mass", "nodes", "dofs")
 
     def relative_to(self, folder: Path) -> "Matrices":
         return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
@@ -287,8 +275,8 @@ class Body(Table):
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _one_make(self) -> Self:
+    @check
+    def _one_make(self) -> None:
         makes = ("section", "sections", "material", "materials")
         keys = [key for key in makes if getattr(self, key)]
         if self.mesh is None and self.matrices is None:
@@ -335,12 +323,11 @@ class Body(Table):
                 raise ValueError(
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _rotation_of_elements(self) -> Self:
+    @check
+    def _rotation_of_elements(self) -> None:
         if self.rotation is None:
-            return self
+            return
         if self.impulse.method == "march":
             raise ValueError(
                 "rotation: needs modes, which impulse.method march does not find: "
@@ -359,10 +346,9 @@ class Body(Table):
                     f"rotation.loaded: no interface {quoted(name)}; "
                     f"there are: {', '.join(self.interfaces)}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _losses_in_a_band(self) -> Self:
+    @check
+    def _losses_in_a_band(self) -> None:
         losses, damping = self.loss_factors, self.damping
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
         if own and damping.band is None:
@@ -391,15 +377,11 @@ class Body(Table):
                 "rotation.level: expected 1 with a loss factor, which the energy of level 2 does "
                 "not have, found 2"
             )
-        return self
 
     @property
     def _parts(self) -> dict[str, Section | Material]:
         """Sections or materials by their keys in the file."""
-        parts: dict[str, Section | Material] = {}
-        for key in ("section", "material"):
-            if (whole := getattr(self, key)) is not None:
-                parts[key] = whole
+        parts = self.given("section", "material")
         for key in ("sections", "materials"):
             parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
         return parts

@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
-from pydantic import ConfigDict, Field, create_model, model_validator
+from pydantic import ConfigDict, Field, create_model
 
 from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
-from ...inputs import InputError, Table, Vector, document_of, quoted, read_table, toml_of
+from ...inputs import InputError, Table, Vector, check, document_of, quoted, read_table, toml_of
 from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -84,8 +84,8 @@ class _Body(Table):
     rigid: bool | None = None
     second_order: SecondOrder | None = None
 
-    @model_validator(mode="after")
-    def _rigid_or_flexible(self) -> "_Body":
+    @check
+    def _rigid_or_flexible(self) -> None:
         # Those that a rigid body alone has; keys of the start belong to both kinds.
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
@@ -107,7 +107,6 @@ class _Body(Table):
             )
         if self.superelement is None and not {"mass", "inertia"} <= keys.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
-        return self
 
 
 def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:

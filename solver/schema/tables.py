@@ -234,6 +234,13 @@ def read_member(family: Family, value: Any) -> Any:
     )
 
 
+def member(family: Family, what: str, kinds: Any) -> FieldSpec:
+    """The specification of a field that takes a member of a family, or its form in a file."""
+    return FieldSpec(
+        what, lambda value: value if isinstance(value, kinds) else read_member(family, value)
+    )
+
+
 def _entry_of_forms(forms: tuple[Form, ...], value: Any) -> Any:
     table = present_keys(read_part(value, _table_of_forms(forms)))
     flags = [form.flag for form in forms if table.pop(form.flag, False)]

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     OptionalParts = Converted[tuple[Signal, ...] | None, Iterable[Signal] | None]
 else:
     Parts = Annotated[
-        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals, Any)
+        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals)
     ]
     OptionalParts = Parts | None
 
