@@ -102,8 +102,8 @@ class Table(_Model):
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def check(method: Callable[[AnyTable], None]) -> Any:
-    """A method of a table that is called when one is made: ValueError for keys that disagree."""
+def rule(method: Callable[[AnyTable], None]) -> Any:
+    """A method that a table calls when it is made; ValueError for keys that break the rule."""
 
     def checked(table: AnyTable) -> AnyTable:
         method(table)
@@ -112,16 +112,18 @@ def check(method: Callable[[AnyTable], None]) -> Any:
     return model_validator(mode="after")(checked)
 
 
-def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
+def read_table(
+    path: str | os.PathLike[str], kind: type[AnyTable], failure: type[Exception]
+) -> tuple[AnyTable, str]:
     """The table in a TOML file, and its text.
 
-    `InputError` names the file, the key, and the values found and expected.
+    A `failure` names the file, the key, and the values found and expected.
     """
-    text = read_text(path)
+    text = read_text(path, failure)
     try:
         return read_part(parse_toml(text), kind), text
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise failure(f"{path}: {error}") from error
 
 
 def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:

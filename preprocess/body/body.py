@@ -21,15 +21,14 @@ from pydantic import (
 from ...inputs import (
     FORM_OF_NAMES,
     Also,
-    InputError,
     Table,
     Vector,
-    check,
     document_of,
     expected,
     is_name,
     quoted,
     read_table,
+    rule,
 )
 from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
@@ -98,7 +97,7 @@ class PointMass(Selection):
     ) * 3
     interface: str | None = None
 
-    @check
+    @rule
     def _one_place(self) -> None:
         others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
@@ -111,7 +110,7 @@ class PointMass(Selection):
                 "..., found none"
             )
 
-    @check
+    @rule
     def _a_mass(self) -> None:
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
@@ -151,7 +150,7 @@ class Impulse(Table):
     modes: PositiveInt | None = None
     solver: SolverName = "auto"
 
-    @check
+    @rule
     def _of_this_world(self) -> None:
         if not SHORTEST <= self.step <= LONGEST_STEP:
             raise ValueError(
@@ -162,7 +161,7 @@ class Impulse(Table):
                 f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
             )
 
-    @check
+    @rule
     def _below_nyquist(self) -> None:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
@@ -170,14 +169,14 @@ class Impulse(Table):
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
 
-    @check
+    @rule
     def _solver_of_its_method(self) -> None:
         if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
             raise ValueError(
                 f"solver: expected only with method krylov, found it with {self.method}"
             )
 
-    @check
+    @rule
     def _modes_of_their_methods(self) -> None:
         if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
@@ -275,7 +274,7 @@ class Body(Table):
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
-    @check
+    @rule
     def _one_make(self) -> None:
         makes = ("section", "sections", "material", "materials")
         keys = [key for key in makes if getattr(self, key)]
@@ -324,7 +323,7 @@ class Body(Table):
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
                 )
 
-    @check
+    @rule
     def _rotation_of_elements(self) -> None:
         if self.rotation is None:
             return
@@ -347,7 +346,7 @@ class Body(Table):
                     f"there are: {', '.join(self.interfaces)}"
                 )
 
-    @check
+    @rule
     def _losses_in_a_band(self) -> None:
         losses, damping = self.loss_factors, self.damping
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
@@ -449,10 +448,7 @@ def read_body(path: str | os.PathLike[str]) -> Body:
 
     `BodyError` names the file, the key, what was found and what was expected.
     """
-    try:
-        body, text = read_table(path, Body)
-    except InputError as error:
-        raise BodyError(str(error)) from error
+    body, text = read_table(path, Body, BodyError)
     body = body.relative_to(Path(path).parent)
     body._text, body._as_read = text, body._values()
     return body

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import Also, Table, check
+from ...inputs import Also, Table, rule
 from ...superelement import Chain
 from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, as_chain, fit
 
@@ -21,7 +21,7 @@ class Ratios(Table):
     frequencies: tuple[NonNegativeFloat, ...]
     ratios: tuple[NonNegativeFloat, ...]
 
-    @check
+    @rule
     def _a_table(self) -> None:
         if len(self.frequencies) != len(self.ratios) or not self.frequencies:
             raise ValueError(
@@ -48,7 +48,7 @@ class Rayleigh(Table):
     frequencies: Two | None = None
     ratios: Two | None = None
 
-    @check
+    @rule
     def _one_form(self) -> None:
         given = self.model_fields_set
         if given & {"mass", "stiffness"} and given & {"frequencies", "ratios"}:
@@ -100,7 +100,7 @@ class Damping(Table):
     band: tuple[PositiveFloat, PositiveFloat] | None = None
     reference_frequency: NonNegativeFloat | None = None
 
-    @check
+    @rule
     def _one_kind(self) -> None:
         found = list(self.given("modal", "rayleigh", "loss_factor"))
         if len(found) > 1:
@@ -114,7 +114,7 @@ class Damping(Table):
         if self.band is not None and found in (["modal"], ["rayleigh"]):
             raise ValueError(f"band: belongs to loss_factor, found it with {found[0]}")
 
-    @check
+    @rule
     def _can_be_fitted(self) -> None:
         if self.band is None:
             return

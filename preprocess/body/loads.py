@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...inputs import Vector, check
+from ...inputs import Vector, rule
 from .selection import Selection
 
 LOAD_KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
@@ -21,7 +21,7 @@ class LoadPattern(Selection):
     force_per_volume: Vector | None = None
     force_per_length: Vector | None = None
 
-    @check
+    @rule
     def _one_kind(self) -> None:
         found = self.given(*LOAD_KINDS)
         if len(found) != 1:
@@ -31,7 +31,7 @@ class LoadPattern(Selection):
         if not np.any(found[self.kind]):
             raise ValueError(f"{self.kind}: expected a load, found none")
 
-    @check
+    @rule
     def _of_extent(self) -> None:
         if self.node is not None or self.nodes is not None or "at" in self.model_fields_set:
             raise ValueError(

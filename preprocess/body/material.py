@@ -5,7 +5,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag
 
-from ...inputs import Table, Vector, check
+from ...inputs import Table, Vector, rule
 from ...superelement.validation import Array
 from .damping import LossFactor
 
@@ -157,14 +157,14 @@ class Material(Table):
     axes: tuple[Vector, Vector] | None = None
     loss_factor: LossFactor | None = None
 
-    @check
+    @rule
     def _shear_given(self) -> None:
         if self.G is None and (isinstance(self.E, tuple) or isinstance(self.nu, tuple)):
             raise ValueError(
                 "G: missing; only a material with one E and one nu is isotropic and does without"
             )
 
-    @check
+    @rule
     def _axes_span_a_plane(self) -> None:
         if self.axes is not None:
             one, two = (
@@ -176,7 +176,7 @@ class Material(Table):
                     f"axes: expected two vectors that span a plane, found {list(self.axes)}"
                 )
 
-    @check
+    @rule
     def _stores_energy(self) -> None:
         with np.errstate(divide="ignore"):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
@@ -187,7 +187,7 @@ class Material(Table):
                 "nu_ij^2 must be less than E_i / E_j"
             )
 
-    @check
+    @rule
     def _changes_its_volume(self) -> None:
         rounding = 1.0 + 1e-9
         if self._relative_bulk_modulus > rounding * _bulk_over_shear(LARGEST_RATIO):

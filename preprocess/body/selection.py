@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import Table, Vector, check
+from ...inputs import Table, Vector, rule
 from ...superelement.validation import Array
 
 Chosen = NDArray[np.bool_]
@@ -27,7 +27,7 @@ class Plane(Table):
     normal: Vector
     tolerance: PositiveFloat = 1e-6
 
-    @check
+    @rule
     def _has_direction(self) -> None:
         if not any(self.normal):
             raise ValueError("normal: expected a vector that is not zero")
@@ -79,7 +79,7 @@ class Cylinder(Table):
     inner: NonNegativeFloat = 0.0
     tolerance: PositiveFloat = 1e-6
 
-    @check
+    @rule
     def _is_a_cylinder(self) -> None:
         if self.axis[0] == self.axis[1]:
             raise ValueError(f"axis: expected two points, found {list(self.axis[0])} twice")
@@ -105,7 +105,7 @@ class Cylinder(Table):
         return inside
 
 
-SHAPES = ("plane", "box", "sphere", "cylinder")
+SHAPE_KEYS = ("plane", "box", "sphere", "cylinder")
 
 
 class Selection(Table):
@@ -132,7 +132,7 @@ class Selection(Table):
     at: Vector | None = None
     tolerance: PositiveFloat = 1e-3
 
-    @check
+    @rule
     def _node_stands_alone(self) -> None:
         others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
@@ -154,12 +154,12 @@ class Selection(Table):
     @property
     def selectors(self) -> set[str]:
         """The keys that select something."""
-        return set(self.given("node", "nodes", "group", *SHAPES))
+        return set(self.given("node", "nodes", "group", *SHAPE_KEYS))
 
     @property
     def shapes(self) -> dict[str, Shape]:
         """The shapes in space, by their keys."""
-        return self.given(*SHAPES)
+        return self.given(*SHAPE_KEYS)
 
     def holds(self, points: Array, size: float) -> Chosen:
         """True (n,) for the points (n, 3) inside all of the shapes; all points without shapes."""
@@ -184,7 +184,7 @@ class InterfaceSelection(Selection):
 
     kind: Literal["average", "rigid"] = "average"
 
-    @check
+    @rule
     def _selects(self) -> None:
         if not self.selectors:
             raise ValueError(

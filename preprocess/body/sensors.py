@@ -1,6 +1,6 @@
 """Sensors of the body file: points that are read, and never loaded."""
 
-from ...inputs import Table, Vector, check
+from ...inputs import Table, Vector, rule
 
 
 class SensorPoint(Table):
@@ -16,7 +16,7 @@ class SensorPoint(Table):
     length: float | None = None
     stress: bool = False
 
-    @check
+    @rule
     def _one_reading(self) -> None:
         if self.direction is not None and self.stress:
             raise ValueError("expected one of direction and stress, found both")

@@ -36,7 +36,7 @@ AXIS_WORDS = {
 SYMMETRY_TOLERANCE = 1e-9
 Item = TypeVar("Item")
 Stored = TypeVar("Stored", covariant=True)
-Given = TypeVar("Given", contravariant=True)
+Accepted = TypeVar("Accepted", contravariant=True)
 
 
 def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> FieldSpec:
@@ -245,11 +245,11 @@ class Named(Protocol):
 
 if TYPE_CHECKING:
 
-    class Converted(Generic[Stored, Given]):
+    class Converted(Generic[Stored, Accepted]):
         """A field to type checkers: it takes arguments of one type, and stores another."""
 
         def __get__(self, owner: Any, kind: Any = None) -> Stored: ...
-        def __set__(self, owner: Any, value: Given) -> None: ...
+        def __set__(self, owner: Any, value: Accepted) -> None: ...
 
     # Each: what an attribute is, and what an argument may be.
     FrameName = Converted[str, str | Framed]

@@ -38,11 +38,11 @@ def _positive_pair(value: Any) -> tuple[float, float]:
     return first, second
 
 
-Two = tuple[float, float]
-FromTo = Annotated[Two, FieldSpec("two numbers, from and to", _pair, Two)]
-Span = Annotated[Two, FieldSpec("two times, start and end", _span, Two)]
+_Two = tuple[float, float]
+FromTo = Annotated[_Two, FieldSpec("two numbers, from and to", _pair, _Two)]
+Span = Annotated[_Two, FieldSpec("two times, start and end", _span, _Two)]
 _FREQUENCIES = "two positive frequencies, from and to"
-Frequencies = Annotated[Two, FieldSpec(_FREQUENCIES, _positive_pair, Two)]
+Frequencies = Annotated[_Two, FieldSpec(_FREQUENCIES, _positive_pair, _Two)]
 
 
 class Profile:
