@@ -4,7 +4,7 @@ Their samples are their means over the hat functions of the time grid, so that t
 is exact however short they are. Ones without jumps of velocity have `derivatives`, and drive.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -81,12 +81,15 @@ class SmoothProfile(Smooth, Profile):
         return rate, acceleration
 
 
-class _Step(SmoothProfile):
+@entry(eq=True)
+class _Step(SmoothProfile, Entry):
     """A step from one value to another over a time."""
 
-    shape: Shape
-    values: tuple[float, float]
-    over: tuple[float, float]
+    shape: ClassVar[Any]
+    """the `Shape` of its rise"""
+
+    values: Annotated[FromTo, NameInFile("smooth_step")]
+    over: Span
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -104,29 +107,23 @@ class _Step(SmoothProfile):
 
 @SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
-class SmoothStep(_Step, Entry):
+class SmoothStep(_Step):
     """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
 
     Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
     10/sqrt(3) times the change over the duration, and over its square.
     """
 
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
-
     shape = staticmethod(quintic)
 
 
 @SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
-class Haversine(_Step, Entry):
+class Haversine(_Step):
     """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
     """
-
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
 
     shape = staticmethod(raised_cosine)
 
@@ -247,13 +244,14 @@ def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
         )
 
 
-class _Chirp(Smooth, Pointwise):
+@entry(eq=True)
+class _Chirp(Smooth, Pointwise, Entry):
     """amplitude sin(angle(t)), of a frequency that changes over a time and is constant outside."""
 
-    amplitude: float
-    frequencies: tuple[float, float]
-    over: tuple[float, float]
-    phase: float
+    amplitude: Annotated[float, NameInFile("chirp")]
+    frequencies: Frequencies
+    over: Span
+    phase: float = 0.0
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -296,16 +294,11 @@ class _Chirp(Smooth, Pointwise):
 
 @SIGNAL_FORMS.in_files("chirp")
 @entry(eq=True)
-class Chirp(_Chirp, Entry):
+class Chirp(_Chirp):
     """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
 
     phase: at the start of that [rad].
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies
@@ -315,16 +308,11 @@ class Chirp(_Chirp, Entry):
 
 @SIGNAL_FORMS.in_files("chirp", flag="logarithmic")
 @entry(eq=True)
-class LogarithmicChirp(_Chirp, Entry):
+class LogarithmicChirp(_Chirp):
     """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
 
     phase: at the start of that [rad].
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies

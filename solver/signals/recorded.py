@@ -1,6 +1,7 @@
 """Signals that were recorded: columns of text files, as of CSV."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -34,15 +35,20 @@ Column = Annotated[
 ]
 
 
-class _Recorded(Piecewise, Pointwise):
+@entry(eq=True)
+class _Recorded(Piecewise, Pointwise, Entry):
     """A column over another: scale x column at the times time_scale x time + shift."""
 
-    file: str
-    column: str | int
-    time: str | int
-    scale: float
-    time_scale: float
-    shift: float
+    file: FilePath
+    column: Column
+    scale: float = 1.0
+    time: Column = 1
+    time_scale: Positive = 1.0
+    shift: float = 0.0
+    points: tuple[Array, Array] = field(init=False, repr=False, compare=False)
+    """times [s] and values (n,)"""
+    digest: str = field(init=False, repr=False, compare=False)
+    """the SHA-256 of the file"""
 
     def validate(self) -> None:
         if number_of_column(self.file, self.time) == number_of_column(self.file, self.column):
@@ -58,11 +64,6 @@ class _Recorded(Piecewise, Pointwise):
         # kept, so that the signal stays as it was read
         object.__setattr__(self, "points", (at, scaled))
         object.__setattr__(self, "digest", sha256(self.file))
-
-    points: tuple[Array, Array]
-    """times [s] and values (n,)"""
-    digest: str
-    """the SHA-256 of the file"""
 
     @cached_property
     def curve(self) -> Table | Spline:
@@ -90,7 +91,7 @@ class _Recorded(Piecewise, Pointwise):
 
 @SIGNAL_FORMS.in_files("file")
 @entry(eq=True)
-class Recorded(_Recorded, Entry):
+class Recorded(_Recorded):
     """A column of a text file over its time, linear between the rows, constant outside.
 
         f = scale x column    at    time_scale x time + shift
@@ -98,13 +99,6 @@ class Recorded(_Recorded, Entry):
     file: its columns are separated by commas, semicolons, tabs or blanks, its first line may name
     them, and # begins a comment; column, time: a name, or a number from 1 on; time is the first.
     """
-
-    file: FilePath
-    column: Column
-    scale: float = 1.0
-    time: Column = 1
-    time_scale: Positive = 1.0
-    shift: float = 0.0
 
     @cached_property
     def curve(self) -> Table:
@@ -118,15 +112,8 @@ class Recorded(_Recorded, Entry):
 
 @SIGNAL_FORMS.in_files("file", flag="spline")
 @entry(eq=True)
-class RecordedSpline(Smooth, _Recorded, Entry):
+class RecordedSpline(Smooth, _Recorded):
     """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""
-
-    file: FilePath
-    column: Column
-    scale: float = 1.0
-    time: Column = 1
-    time_scale: Positive = 1.0
-    shift: float = 0.0
 
     @cached_property
     def curve(self) -> Spline:
@@ -142,8 +129,8 @@ def records_of(part: Any) -> Iterator[Recorded | RecordedSpline]:
     if isinstance(part, Recorded | RecordedSpline):
         yield part
     elif isinstance(part, Entry):
-        for field, _ in declared(type(part)):
-            yield from records_of(getattr(part, field.name))
+        for key, _ in declared(type(part)):
+            yield from records_of(getattr(part, key.name))
     elif isinstance(part, Mapping):
         yield from records_of(tuple(part.values()))
     elif isinstance(part, tuple):
