@@ -1,6 +1,5 @@
 """Tables of a TOML file as frozen models."""
 
-import difflib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
@@ -14,7 +13,7 @@ from pydantic import (
     model_validator,
 )
 
-from .errors import InputError, dotted, quoted
+from .errors import InputError, did_you_mean, dotted, quoted
 from .json_schema import describe
 from .text import parse_toml, read_text
 
@@ -87,11 +86,8 @@ class Table(_Model):
         known = {field.alias or name: name for name, field in cls.model_fields.items()}
         for key in data if isinstance(data, Mapping) else ():
             if key not in known and key not in cls.model_fields:
-                nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-                hint = (
-                    f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
-                )
-                raise ValueError(f"unknown key {quoted(key)}; {hint}")
+                meant = did_you_mean(key, known, cutoff=0.5) or f"; known are {', '.join(known)}"
+                raise ValueError(f"unknown key {quoted(key)}{meant}")
         return (
             {key: _frozen(value) for key, value in data.items()}
             if isinstance(data, Mapping)
