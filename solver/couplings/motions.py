@@ -73,31 +73,8 @@ class PrescribedMotion(Entry, Coupling):
         return self
 
 
-class _OneMotion(PrescribedMotion):
-    """A motion by one signal."""
-
-    start: Mapping[str, float]
-
-    @property
-    def drive(self) -> SmoothSignal:
-        drive = drive_of(self, self.keys)
-        if drive is None:
-            raise self.error(f"expected one of {', '.join(self.keys)}, found none")
-        return drive
-
-    def validate(self) -> None:
-        drive, keys = self.drive, self.keys
-        if not isinstance(drive, IntegratedDrive):
-            _check_from_rest(f"{self.owner}: {keys.coordinate}", drive)
-        takes = (keys.rate,) if isinstance(drive, IntegratedDrive) and drive.order == 2 else ()
-        for name in self.start:
-            if name not in takes:
-                known = f"takes {keys.rate} with {keys.acceleration} alone"
-                raise self.error(f"start: {known}, got {name!r}")
-
-
 @entry()
-class PrescribedDisplacement(_OneMotion):
+class PrescribedDisplacement(PrescribedMotion):
     """A displacement along a direction that follows a signal.
 
         direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
@@ -118,6 +95,13 @@ class PrescribedDisplacement(_OneMotion):
     acceleration: AnySignal | None = None
     start: NumbersByName = field(default_factory=dict)
 
+    def validate(self) -> None:
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
+
     @property
     def axis_in_space(self) -> Array | None:
         return self.direction
@@ -131,7 +115,7 @@ class PrescribedDisplacement(_OneMotion):
 
 
 @entry()
-class PrescribedRotation(_OneMotion):
+class PrescribedRotation(PrescribedMotion):
     """A rotation about an axis that follows a signal.
 
         D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
@@ -152,6 +136,13 @@ class PrescribedRotation(_OneMotion):
     angular_velocity: AnySignal | None = None
     angular_acceleration: AnySignal | None = None
     start: NumbersByName = field(default_factory=dict)
+
+    def validate(self) -> None:
+        _check(self)
+
+    @property
+    def drive(self) -> SmoothSignal:
+        return _drive(self)
 
     @property
     def axis_in_space(self) -> Array | None:
@@ -242,6 +233,24 @@ class PrescribedOrientation(PrescribedMotion):
             return IntegratedDrive(signal, order, error=self.error)
         driving: SmoothSignal = signal
         return driving
+
+
+def _drive(motion: PrescribedDisplacement | PrescribedRotation) -> SmoothSignal:
+    drive = drive_of(motion, motion.keys)
+    if drive is None:
+        raise motion.error(f"expected one of {', '.join(motion.keys)}, found none")
+    return drive
+
+
+def _check(motion: PrescribedDisplacement | PrescribedRotation) -> None:
+    drive, keys = _drive(motion), motion.keys
+    if not isinstance(drive, IntegratedDrive):
+        _check_from_rest(f"{motion.owner}: {keys.coordinate}", drive)
+    takes = (keys.rate,) if isinstance(drive, IntegratedDrive) and drive.order == 2 else ()
+    for name in motion.start:
+        if name not in takes:
+            known = f"takes {keys.rate} with {keys.acceleration} alone"
+            raise motion.error(f"start: {known}, got {name!r}")
 
 
 def _check_from_rest(name: str, signal: SmoothSignal) -> None:
