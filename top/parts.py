@@ -177,8 +177,7 @@ class Part:
         if interface is not None:
             piece["interface"] = interface
         if inertia is not None:
-            matrix = np.asarray(inertia, dtype=np.float64)
-            piece["inertia"] = _tuples(np.diag(matrix) if matrix.shape == (3,) else matrix)
+            piece["inertia"] = np.asarray(inertia, dtype=np.float64).tolist()
         if at is not None:
             piece["at"] = vector(at)
         self._add("masses", name, piece)
@@ -503,7 +502,3 @@ def _steps(duration: float, step: float) -> int:
     if not (math.isfinite(duration) and duration > 0.0):
         raise InputError(f"duration: expected a positive number [s], found {duration}")
     return max(1, math.ceil(duration / step * (1.0 - 1e-9)))
-
-
-def _tuples(matrix: Any) -> Any:
-    return tuple(map(tuple, matrix.tolist()))

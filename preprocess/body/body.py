@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -16,13 +16,11 @@ from pydantic import (
     SerializationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
-    model_validator,
 )
 
 from ...inputs import (
     FORM_OF_NAMES,
     Also,
-    InputError,
     Table,
     Vector,
     document_of,
@@ -30,6 +28,7 @@ from ...inputs import (
     is_name,
     quoted,
     read_table,
+    rule,
 )
 from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
@@ -99,8 +98,8 @@ class PointMass(Selection):
     ) * 3
     interface: str | None = None
 
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
+    @rule
+    def _one_place(self) -> None:
         others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
             raise ValueError(
@@ -111,10 +110,9 @@ class PointMass(Selection):
                 "expected interface, or what it selects on the mesh: node, group, plane, "
                 "..., found none"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _a_mass(self) -> Self:
+    @rule
+    def _a_mass(self) -> None:
         # Rounding of a turned tensor may leave a tiny negative value, which is no mistake.
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
@@ -124,7 +122,6 @@ class PointMass(Selection):
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
-        return self
 
 
 class Impulse(Table):
@@ -147,8 +144,8 @@ class Impulse(Table):
     modes: PositiveInt | None = None
     solver: SolverName = "auto"
 
-    @model_validator(mode="after")
-    def _of_this_world(self) -> Self:
+    @rule
+    def _of_this_world(self) -> None:
         if not SHORTEST <= self.step <= LONGEST_STEP:
             raise ValueError(
                 f"step: expected {SHORTEST:g} to {LONGEST_STEP:g} s, found {self.step:g}"
@@ -157,34 +154,31 @@ class Impulse(Table):
             raise ValueError(
                 f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _below_nyquist(self) -> Self:
+    @rule
+    def _below_nyquist(self) -> None:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
                 "band: expected at most the Nyquist frequency of the step, "
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _solver_of_its_method(self) -> Self:
+    @rule
+    def _solver_of_its_method(self) -> None:
         if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
             raise ValueError(
                 f"solver: expected only with method krylov, found it with {self.method}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _modes_of_their_methods(self) -> Self:
+    @rule
+    def _modes_of_their_methods(self) -> None:
         if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
                     f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
-            return self
+            return
         if self.modes is None:
             raise ValueError(f"modes: method {self.method} needs a number of modes, found none")
         if others := sorted(self.model_fields_set & {"band", "tolerance"}):
@@ -192,7 +186,6 @@ class Impulse(Table):
                 f"{' and '.join(others)}: expected only with other methods: with {self.method} "
                 "the band and its error follow from modes"
             )
-        return self
 
 
 class RecoveredFields(Table):
@@ -241,13 +234,7 @@ class Matrices(Table):
     def files(self) -> dict[str, Path]:
         """The paths of the files by their keys."""
         # In the order in which messages and digests name them.
-        given = {
-            "stiffness": self.stiffness,
-            "mass": self.mass,
-            "nodes": self.nodes,
-            "dofs": self.dofs,
-        }
-        return {key: path for key, path in given.items() if path is not None}
+        return self.given("stiffness", "mass", "nodes", "dofs")
 
     def relative_to(self, folder: Path) -> "Matrices":
         return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
@@ -301,8 +288,8 @@ class Body(Table):
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _one_make(self) -> Self:
+    @rule
+    def _one_make(self) -> None:
         makes = ("section", "sections", "material", "materials")
         keys = [key for key in makes if getattr(self, key)]
         if self.mesh is None and self.matrices is None:
@@ -318,10 +305,9 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _own_names(self) -> Self:
+    @rule
+    def _own_names(self) -> None:
         if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
             raise ValueError(
                 f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
@@ -336,10 +322,9 @@ class Body(Table):
             for name in getattr(self, table):
                 if name in self.interfaces:
                     raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
-        return self
 
-    @model_validator(mode="after")
-    def _places_that_are_there(self) -> Self:
+    @rule
+    def _places_that_are_there(self) -> None:
         if self.loads and self.matrices is not None:
             raise ValueError(
                 "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"
@@ -357,12 +342,11 @@ class Body(Table):
                 raise ValueError(
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _rotation_of_elements(self) -> Self:
+    @rule
+    def _rotation_of_elements(self) -> None:
         if self.rotation is None:
-            return self
+            return
         if self.impulse.method == "march":
             raise ValueError(
                 "rotation: needs modes, which impulse.method march does not find: "
@@ -381,10 +365,9 @@ class Body(Table):
                     f"rotation.loaded: no interface {quoted(name)}; "
                     f"there are: {', '.join(self.interfaces)}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _losses_in_a_band(self) -> Self:
+    @rule
+    def _losses_in_a_band(self) -> None:
         losses, damping = self.loss_factors, self.damping
         # Without a band a loss factor would hold at all frequencies, which no material can.
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
@@ -414,15 +397,11 @@ class Body(Table):
                 "rotation.level: expected 1 with a loss factor, which the energy of level 2 does "
                 "not have, found 2"
             )
-        return self
 
     @property
     def _parts(self) -> dict[str, Section | Material]:
         """Sections or materials by their keys in the file."""
-        parts: dict[str, Section | Material] = {}
-        for key in ("section", "material"):
-            if (whole := getattr(self, key)) is not None:
-                parts[key] = whole
+        parts = self.given("section", "material")
         for key in ("sections", "materials"):
             parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
         return parts
@@ -516,10 +495,7 @@ def read_body(path: str | os.PathLike[str]) -> Body:
     Traceback (most recent call last):
     duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
     """
-    try:
-        body, text = read_table(path, Body)
-    except InputError as error:
-        raise BodyError(str(error)) from error
+    body, text = read_table(path, Body, BodyError)
     # Paths in a file start from the file, not from the folder that the command runs in.
     body = body.relative_to(Path(path).parent)
     body._text, body._as_read = text, body._values()

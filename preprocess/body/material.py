@@ -1,11 +1,11 @@
 """Sections of beams and materials of solids."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag, model_validator
+from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag
 
-from ...inputs import Table, Vector
+from ...inputs import Table, Vector, rule
 from ...superelement.validation import Array
 from .damping import LossFactor
 
@@ -159,16 +159,15 @@ class Material(Table):
     axes: tuple[Vector, Vector] | None = None
     loss_factor: LossFactor | None = None
 
-    @model_validator(mode="after")
-    def _shear_given(self) -> Self:
+    @rule
+    def _shear_given(self) -> None:
         if self.G is None and (isinstance(self.E, tuple) or isinstance(self.nu, tuple)):
             raise ValueError(
                 "G: missing; only a material with one E and one nu is isotropic and does without"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _axes_span_a_plane(self) -> Self:
+    @rule
+    def _axes_span_a_plane(self) -> None:
         if self.axes is not None:
             one, two = (
                 # A zero axis stays zero, and then spans no plane.
@@ -179,10 +178,9 @@ class Material(Table):
                 raise ValueError(
                     f"axes: expected two vectors that span a plane, found {list(self.axes)}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _stores_energy(self) -> Self:
+    @rule
+    def _stores_energy(self) -> None:
         with np.errstate(divide="ignore"):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
         # The ratio bounds what rounding would do to the inverse of the compliance.
@@ -192,17 +190,15 @@ class Material(Table):
                 f"eigenvalues of {', '.join(f'{value:.4g}' for value in stiffness)} Pa; "
                 "nu_ij^2 must be less than E_i / E_j"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _changes_its_volume(self) -> Self:
+    @rule
+    def _changes_its_volume(self) -> None:
         rounding = 1.0 + 1e-9
         if self._relative_bulk_modulus > rounding * _bulk_over_shear(LARGEST_RATIO):
             raise ValueError(
                 f"nu: expected at most {LARGEST_RATIO}, found {self.nu}: solids that keep their "
                 f"volume are not supported; use {LARGEST_RATIO}, or the measured bulk modulus"
             )
-        return self
 
     @property
     def young(self) -> float:

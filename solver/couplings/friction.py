@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from ..errors import ModelError
-from ..schema.entry import Entry, FieldSpec, entry
+from ..schema.entry import Entry, entry
 from ..schema.forms import Family
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import NotNegative, Positive
 
 FRICTION_COEFFICIENTS = Family("coefficient of friction")
@@ -71,20 +70,11 @@ class Stribeck(Entry):
 FrictionCoefficient = Coulomb | Stribeck
 
 
-def _coefficient(value: Any) -> FrictionCoefficient:
-    if isinstance(value, FrictionCoefficient):
-        return value
-    try:
-        coefficient: FrictionCoefficient = read_member(FRICTION_COEFFICIENTS, value)
-    except ModelError as error:
-        raise ValueError from error
-    return coefficient
-
-
+_COEFFICIENTS = "a number of at least 0, or static, sliding and speed"
 AnyCoefficient = Annotated[
     FrictionCoefficient,
     FRICTION_COEFFICIENTS,
-    FieldSpec("a number of at least 0, or static, sliding and speed", _coefficient, Any),
+    member(FRICTION_COEFFICIENTS, _COEFFICIENTS, FrictionCoefficient),
 ]
 
 

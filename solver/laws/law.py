@@ -130,8 +130,6 @@ def _some(value: Any) -> Laws:
 AnyLaws = Annotated[
     Laws | Mapping[str, Laws],
     Members(FORCE_LAWS),
-    FieldSpec(
-        "a force law such as TabulatedLaw, or several, or a table of them by axis", _laws, Any
-    ),
+    FieldSpec("a force law such as TabulatedLaw, or several, or a table of them by axis", _laws),
 ]
 """laws of one coordinate, or of several by their names"""

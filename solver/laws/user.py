@@ -47,7 +47,7 @@ def _function(value: Any) -> LawFunction:
 
 
 AnyFunction = Annotated[
-    Any, FieldSpec("a Python function, also one that numba compiles", _function, Any)
+    Any, FieldSpec("a Python function, also one that numba compiles", _function)
 ]
 
 

@@ -16,7 +16,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
 from ..schema.paths import FilePath
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import ZERO_VECTOR, Direction, Positive, Vector, vector
 
 BODY_SHAPES = Family("shape")
@@ -204,15 +204,7 @@ def _read(path: str) -> Any:
         raise ModelError(f"stl: {path}: not a readable surface: {why}") from error
 
 
-def _shape(value: Any) -> BodyShape:
-    if isinstance(value, Box | Cylinder | Sphere | Surface):
-        return value
-    shape: BodyShape = read_member(BODY_SHAPES, value)
-    return shape
-
-
+_SHAPES = "a shape: Box, Cylinder, Sphere or Surface"
 AnyBodyShape = Annotated[
-    BodyShape,
-    BODY_SHAPES,
-    FieldSpec("a shape: Box, Cylinder, Sphere or Surface", _shape, Any),
+    BodyShape, BODY_SHAPES, member(BODY_SHAPES, _SHAPES, Box | Cylinder | Sphere | Surface)
 ]

@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
-from pydantic import ConfigDict, Field, create_model, model_validator
+from pydantic import ConfigDict, Field, create_model
 
 from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
-from ...inputs import InputError, Table, Vector, document_of, quoted, read_table, toml_of
+from ...inputs import Table, Vector, document_of, quoted, read_table, rule, toml_of
 from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -84,8 +84,8 @@ class _Body(Table):
     rigid: bool | None = None
     second_order: SecondOrder | None = None
 
-    @model_validator(mode="after")
-    def _rigid_or_flexible(self) -> "_Body":
+    @rule
+    def _rigid_or_flexible(self) -> None:
         # Those that a rigid body alone has; keys of the start belong to both kinds.
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
@@ -107,7 +107,6 @@ class _Body(Table):
             )
         if self.superelement is None and not {"mass", "inertia"} <= keys.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
-        return self
 
 
 def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -205,10 +204,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
-    try:
-        file, text = read_table(path, _model_file())
-    except InputError as error:
-        raise ModelError(str(error)) from error
+    file, text = read_table(path, _model_file(), ModelError)
     # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
         return _model(file, text, path)
@@ -267,14 +263,8 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
             name: _body(name, present_keys(body), path.parent, superelements)
             for name, body in file.bodies.items()
         },
-        joints=value_of(file.joints),
-        loads=value_of(file.loads),
-        springs=value_of(file.springs),
+        **{name: value_of(getattr(file, name)) for name in ARRAYS_OF_TABLES if name != "motions"},
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
-        contacts=value_of(file.contacts),
-        stops=value_of(file.stops),
-        couplers=value_of(file.couplers),
-        motors=value_of(file.motors),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,

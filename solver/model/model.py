@@ -149,12 +149,7 @@ class Model(Entry):
         if not self.bodies:
             raise ModelError("bodies: expected at least one body, got none")
         for name, body in self.bodies.items():
-            if name == GROUND or not is_name(name):
-                other = ", other than 'ground'" if name == GROUND else ""
-                raise ModelError(
-                    f"bodies: a body cannot be named {quoted(name)}: "
-                    f"expected {FORM_OF_NAMES}{other}"
-                )
+            _check_name("bodies", "body", name)
             _check_frame_names(f"body {name!r}", body.frames)
         _check_frame_names("ground", self.ground_frames)
 
@@ -188,11 +183,7 @@ class Model(Entry):
         names: set[str] = set()
         for kind, couplings in groups.items():
             for coupling in couplings:
-                if not is_name(coupling.name):
-                    raise ModelError(
-                        f"{kind}s: a {kind} cannot be named {quoted(coupling.name)}: "
-                        f"expected {FORM_OF_NAMES}"
-                    )
+                _check_name(f"{kind}s", kind, coupling.name)
                 if coupling.name in names:
                     raise ModelError(
                         f"{', '.join(f'{kind}s' for kind in groups)}: expected different names, "
@@ -269,10 +260,16 @@ class Model(Entry):
 
 def _check_frame_names(owner: str, frames: Iterable[str]) -> None:
     for frame in frames:
-        if not is_name(frame):
-            raise ModelError(
-                f"{owner}: a frame cannot be named {quoted(frame)}: expected {FORM_OF_NAMES}"
-            )
+        _check_name(owner, "frame", frame)
+
+
+def _check_name(owner: str, kind: str, name: str) -> None:
+    is_ground = kind == "body" and name == GROUND
+    if is_ground or not is_name(name):
+        other = ", other than 'ground'" if is_ground else ""
+        raise ModelError(
+            f"{owner}: a {kind} cannot be named {quoted(name)}: expected {FORM_OF_NAMES}{other}"
+        )
 
 
 def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any, ...]:

@@ -1,8 +1,8 @@
 """The steps and quantities that a run records."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
+from ...inputs.errors import did_you_mean
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import Count, Words
@@ -54,8 +54,7 @@ class OutputRequest(Entry):
             if name not in known:
                 # The list of groups of a large model is long: the nearest name is what a user looks
                 # for.
-                near = get_close_matches(name, known, n=1)
-                meant = f"; did you mean {near[0]!r}?" if near else ""
+                meant = did_you_mean(name, known)
                 raise ModelError(
                     f"output: quantities: no {name!r}; there are: {', '.join(known)}{meant}"
                 )

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from ...inputs import Shown
-from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import (
     ZERO_VECTOR,
     Count,
@@ -116,20 +115,10 @@ class EverySteps(Entry):
     every: Count
 
 
-def _interval(value: Any) -> Seconds | EverySteps:
-    if isinstance(value, Seconds | EverySteps):
-        return value
-    try:
-        interval: Seconds | EverySteps = read_member(INTERVAL_FORMS, value)
-    except ModelError as error:
-        raise ValueError from error
-    return interval
-
-
 Interval = Annotated[
     Seconds | EverySteps,
     INTERVAL_FORMS,
-    FieldSpec("seconds or {'every': steps}", _interval, Any),
+    member(INTERVAL_FORMS, "seconds or {'every': steps}", Seconds | EverySteps),
 ]
 
 

@@ -36,7 +36,7 @@ def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal
 Attitudes = Annotated[
     tuple[SmoothSignal, SmoothSignal, SmoothSignal] | None,
     Members(SIGNAL_FORMS),
-    FieldSpec("three smooth signals", _three_signals, Any),
+    FieldSpec("three smooth signals", _three_signals),
 ]
 
 

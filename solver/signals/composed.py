@@ -35,22 +35,13 @@ def _signals(value: Any) -> tuple[Signal, ...]:
 
 
 if TYPE_CHECKING:
+    from ..schema.values import Converted
 
-    class Parts:
-        """One or more signals; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...]: ...
-        def __set__(self, owner: Any, value: Iterable[Signal]) -> None: ...
-
-    class OptionalParts:
-        """Signals, or none; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...] | None: ...
-        def __set__(self, owner: Any, value: Iterable[Signal] | None) -> None: ...
-
+    Parts = Converted[tuple[Signal, ...], Iterable[Signal]]
+    OptionalParts = Converted[tuple[Signal, ...] | None, Iterable[Signal] | None]
 else:
     Parts = Annotated[
-        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals, Any)
+        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals)
     ]
     OptionalParts = Parts | None
 

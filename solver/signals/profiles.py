@@ -38,13 +38,11 @@ def _positive_pair(value: Any) -> tuple[float, float]:
     return first, second
 
 
-_IN_FILE = tuple[float, float]
-FromTo = Annotated[tuple[float, float], FieldSpec("two numbers, from and to", _pair, _IN_FILE)]
-Span = Annotated[tuple[float, float], FieldSpec("two times, start and end", _span, _IN_FILE)]
-Frequencies = Annotated[
-    tuple[float, float],
-    FieldSpec("two positive frequencies, from and to", _positive_pair, _IN_FILE),
-]
+_Two = tuple[float, float]
+FromTo = Annotated[_Two, FieldSpec("two numbers, from and to", _pair, _Two)]
+Span = Annotated[_Two, FieldSpec("two times, start and end", _span, _Two)]
+_FREQUENCIES = "two positive frequencies, from and to"
+Frequencies = Annotated[_Two, FieldSpec(_FREQUENCIES, _positive_pair, _Two)]
 
 
 class Profile(Averaged):

@@ -159,8 +159,8 @@ def records_of(part: Any) -> Iterator[Recorded | RecordedSpline]:
     if isinstance(part, Recorded | RecordedSpline):
         yield part
     elif isinstance(part, Entry):
-        for field, _ in declared(type(part)):
-            yield from records_of(getattr(part, field.name))
+        for key, _ in declared(type(part)):
+            yield from records_of(getattr(part, key.name))
     elif isinstance(part, Mapping):
         yield from records_of(tuple(part.values()))
     elif isinstance(part, tuple):

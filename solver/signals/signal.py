@@ -137,7 +137,7 @@ def is_signal(value: Any) -> bool:
 
 
 AnySignal = Annotated[
-    Signal, SIGNAL_FORMS, FieldSpec("a signal such as Constant", _that(is_signal), Any)
+    Signal, SIGNAL_FORMS, FieldSpec("a signal such as Constant", _that(is_signal))
 ]
 DrivingSignal = Annotated[
     SmoothSignal,
@@ -146,7 +146,6 @@ DrivingSignal = Annotated[
         "a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of "
         "such parts)",
         _that(is_smooth),
-        Any,
         found=_class_name,
     ),
 ]
