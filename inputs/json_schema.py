@@ -14,6 +14,8 @@ from typing import Any
 SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
 # Descriptions are cut after the first sentence; abbreviations are not followed by a capital.
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z`])")
+# Errors and examples are for readers of Python, not for editors of files.
+DOCSTRING_SECTION = re.compile(r"\n\n\w+\n-{4,}\n")
 Schema = dict[str, Any]
 NO_SCHEMA: Mapping[str, Any] = {}
 
@@ -123,6 +125,8 @@ def _plain(schema: Any) -> Any:
 def _inner(key: str, value: Any) -> Any:
     if key in ("default", "enum", "const", "required"):
         return value
+    if key == "description" and isinstance(value, str):
+        return DOCSTRING_SECTION.split(value)[0]
     if key in ("properties", "$defs"):
         return {name: _plain(schema) for name, schema in value.items()}
     return _plain(value)

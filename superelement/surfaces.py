@@ -8,8 +8,7 @@ import numpy as np
 
 from ..files.arrays import Array
 from .cells import IntArray
-from .pattern import check_name
-from .validation import SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_name, check_positive, check_symmetric, checked
 
 # Nodes and corners of each type of facet, by meshio's names: corners first, then middle nodes.
 FACET_NODES = {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
