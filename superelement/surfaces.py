@@ -73,6 +73,7 @@ class Surface:
         if len(np.unique(nodes)) != n:
             raise SuperelementError(f"{what}: nodes: expected each node once, found one twice")
         facets = _integers(f"{what}: facets", self.facets, (None, k))
+        # A node without a facet has neither area nor normal.
         used = np.unique(facets)
         if not np.array_equal(used, np.arange(n)):
             raise SuperelementError(

@@ -107,6 +107,7 @@ class Model(Entry):
         """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
         parts = {kind: getattr(self, kind) for kind in kinds}
+        # Files, and so their readers, know one array of contacts.
         parts["contacts"] = (*self.contacts, *self.surface_contacts)
         return parts
 
