@@ -16,10 +16,10 @@ SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z`])")
 # Errors and examples are for readers of Python, not for editors of files.
 DOCSTRING_SECTION = re.compile(r"\n\n\w+\n-{4,}\n")
-PARAMETERS = re.compile(r"\n\nParameters\n-+\n(.*?)(?=\n\n\w+\n-{4,}\n|$)", re.DOTALL)
+PARAMETERS_SECTION = re.compile(r"\n\nParameters\n-+\n(.*?)(?=\n\n\w+\n-{4,}\n|$)", re.DOTALL)
 # "velocity, rate : (3,) [m/s]", and the indented lines below it
-PARAMETER = re.compile(r"^(\w+(?:, \w+)*)(?: : (.*))?\n?((?:^ .*\n?|^\n)*)", re.MULTILINE)
-WORD = re.compile("[A-Z][a-z]|A ")
+PARAMETER_ENTRY = re.compile(r"^(\w+(?:, \w+)*)(?: : (.*))?\n?((?:^ .*\n?|^\n)*)", re.MULTILINE)
+FIRST_WORD = re.compile("[A-Z][a-z]|A ")
 SHAPE_OR_UNIT = re.compile(r"\([^()]*,[^()]*\)|\[[^]]*\]")
 Schema = dict[str, Any]
 NO_SCHEMA: Mapping[str, Any] = {}
@@ -89,11 +89,11 @@ def describe(schema: Schema, documented: Iterable[type[Any]]) -> None:
 def parameters_of(text: str) -> dict[str, str]:
     """What the section of parameters of a docstring says of each: name, shape, unit, a sentence."""
     found: dict[str, str] = {}
-    section = PARAMETERS.search(text)
-    for names, kind, lines in PARAMETER.findall(section[1] if section else ""):
+    section = PARAMETERS_SECTION.search(text)
+    for names, kind, lines in PARAMETER_ENTRY.findall(section[1] if section else ""):
         head = " ".join([names, *SHAPE_OR_UNIT.findall(kind)])
         sentence = SENTENCE_END.split(" ".join(lines.split()))[0]
-        if WORD.match(sentence):  # not a symbol
+        if FIRST_WORD.match(sentence):  # not a symbol
             sentence = sentence[0].lower() + sentence[1:]
         if sentence or head != names:
             words = f"{head}: {sentence}" if sentence else head
