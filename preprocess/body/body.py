@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import (
     BeforeValidator,
+    ConfigDict,
     Field,
     NonNegativeFloat,
     PlainSerializer,
@@ -269,6 +270,10 @@ class Body(Table):
     ('auto', (PosixPath('rod.msh'),))
     """
 
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": ["interfaces"]}, {"required": ["surfaces"]}]}
+    )
+
     name: str
     mesh: AnyMesh | None = None
     matrices: Matrices | None = None
@@ -498,7 +503,7 @@ def body_schema() -> dict[str, Any]:
     --------
     >>> schema = body_schema()
     >>> schema["title"], schema["required"]
-    ('A body file of Duhamel', ['name', 'interfaces', 'impulse'])
+    ('A body file of Duhamel', ['name', 'impulse'])
     """
     return document_of(Body, "A body file of Duhamel")
 

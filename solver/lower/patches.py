@@ -11,7 +11,7 @@ import numpy as np
 from ...superelement import Surface
 from ..arrays import Array, Index, as_index, as_rows
 from ..step.records.surfaces import Facets, Patches
-from .facets import NUMBERED_FACETS, MOST_CORNERS, MOST_NODES, SMOOTH_TYPES, RuleOfFacets, rule_of
+from .facets import MOST_CORNERS, MOST_NODES, NUMBERED_FACETS, SMOOTH_TYPES, RuleOfFacets, rule_of
 
 NEGLIGIBLE_SINE_SQUARED = 1e-12
 """1 - c^2 of normals between which an edge is straight"""
@@ -215,18 +215,20 @@ def lay_out_patches(patches: Sequence[Patch]) -> Patches:
         X=np.concatenate([np.empty((0, 3)), *(patch.surface.X for patch in patches)]),
         area=joined(patch.areas for patch in patches),
         weight=joined(patch.weights.ravel() for patch in patches),
-        N=stacked(
+        N=in_one_table(
             [np.tile(p.rule.functions, (n, 1)) for p, n in zip(patches, tile, strict=True)],
             MOST_NODES,
         ),
-        corner=stacked(
+        corner=in_one_table(
             [np.tile(p.rule.corner_functions, (n, 1)) for p, n in zip(patches, tile, strict=True)],
             MOST_CORNERS,
         ),
-        dual=stacked([patch.dual.reshape(patch.n_points, -1) for patch in patches], MOST_CORNERS),
+        dual=in_one_table(
+            [patch.dual.reshape(patch.n_points, -1) for patch in patches], MOST_CORNERS
+        ),
         around_range=starts(len(facets) for patch in patches for facets in patch.around),
         around=as_index(around).reshape(-1, 2),
-        slot=stacked([own[None] for own in slots], MOST_NODES, np.int64),
+        slot=in_one_table([own[None] for own in slots], MOST_NODES, np.int64),
         support_range=starts(map(len, supports)),
         support=as_index([k for nodes in supports for k in nodes]),
     )
@@ -254,17 +256,17 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
         corners=as_index([patch.rule.n_corners for patch in patches]),
         n_nodes=as_index([patch.rule.n_nodes for patch in patches]),
         points=as_index([len(patch.rule.weights) for patch in patches]),
-        nodes=stacked(
+        nodes=in_one_table(
             [n + p.surface.facets for p, n in zip(patches, node.tolist(), strict=False)],
             MOST_NODES,
             np.int64,
         ),
-        rows=stacked(
+        rows=in_one_table(
             [n + p.rows_of_facets for p, n in zip(patches, row.tolist(), strict=False)],
             MOST_CORNERS,
             np.int64,
         ),
-        beside=stacked(
+        beside=in_one_table(
             [
                 np.where(patch.beside < 0, -1, first + patch.beside)
                 for patch, first in zip(patches, facet.tolist(), strict=False)
@@ -272,7 +274,7 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
             MOST_CORNERS,
             np.int64,
         ),
-        rise=stacked([patch.rises for patch in patches], MOST_CORNERS),
+        rise=in_one_table([patch.rises for patch in patches], MOST_CORNERS),
         around_range=starts(map(len, turned)),
         around=as_index([f for own in turned for f in own]),
     )
@@ -293,7 +295,7 @@ def joined(arrays: Iterable[Array]) -> Array:
     return np.concatenate([np.empty(0), *arrays])
 
 
-def stacked(tables: Sequence[Any], columns: int, kind: Any = np.float64) -> Any:
+def in_one_table(tables: Sequence[Any], columns: int, kind: Any = np.float64) -> Any:
     """Tables one below the other, with so many columns: what lacks is 0, or -1 of integers."""
     fill = -1 if kind is np.int64 else 0
     wide = [np.full((len(table), columns), fill, dtype=kind) for table in tables]

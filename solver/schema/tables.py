@@ -62,7 +62,8 @@ def tables_by_key(otherwise: type[Entry], **by_key: type[Entry]) -> Any:
 
     # In parentheses, by which messages know that they are no keys.
     def kind_of(table: Any) -> str:
-        return f"({next((key for key in by_key if key in table), '')})"
+        keys = table if isinstance(table, Mapping) else ()
+        return f"({next((key for key in by_key if key in keys), '')})"
 
     members: dict[str, Any] = {"": otherwise, **by_key}
     tables = tuple(Annotated[table_of(kind), Tag(f"({key})")] for key, kind in members.items())
