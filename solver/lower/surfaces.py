@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array, as_index, as_rows
 from ..couplings.surface_contacts import SurfaceContact
+from ..errors import ModelError
 from ..history.layout import Stepping
 from ..history.packing import packed
 from ..history.shares import shares_of
@@ -193,6 +194,13 @@ def _motion(
     phi_J = elastic.modes.phi[start : start + n_c * m].reshape(n_c, m)
     active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
     phi_J = phi_J[active - elastic.dof[e]]
+    # With fewer modes some motions of the interfaces would leave that of the nodes open.
+    if (rank := np.linalg.matrix_rank(phi_J)) < len(active):
+        raise ModelError(
+            f"body {name!r}: its surfaces are in contact, and joints, springs or loads act on "
+            f"{len(active)} dofs of its interfaces: expected as many modes that differ there, "
+            f"found {rank}"
+        )
     # Active dofs are unknowns of Newton's method: G is what is left while they are held.
     G_CJ, G_JJ = (phi * per_mode) @ phi_J.T, (phi_J * per_mode) @ phi_J.T
     T = np.linalg.solve(G_JJ, G_CJ.T).T if len(active) else np.empty((len(dofs), 0))
