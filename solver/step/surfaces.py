@@ -502,8 +502,12 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
     contacts = surfaces.contacts
     margin = contacts.margin[c]
     if math.isnan(margin):
-        # Twice, for nodes vibrate beside the motion of their bodies as a whole.
-        margin = 2.0 * system.scheme.h * _closing_speed(system, c, state, work)
+        way = system.scheme.h * _closing_speed(system, c, state, work)
+        way += _elastic_way(surfaces, contacts.patch[c], state, work)
+        if contacts.frame[c] < 0:
+            way += _elastic_way(surfaces, contacts.target[c], state, work)
+        # Twice, for the motion within the step is not known yet.
+        margin = 2.0 * way
     look_at_target(system, c, margin, work)
     set_row_gaps(surfaces, c, state, work)
     for i in range(contacts.row[c], contacts.row[c + 1]):
@@ -516,6 +520,17 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
             face_target(surfaces, c, i, work)
         else:
             out.closed[i], state.surfaces.force[i] = 0, 0.0
+
+
+@compiled
+def _elastic_way(surfaces: Surfaces, p: int, state: State, work: Workspace) -> float:
+    """The farthest that a node of patch p is from its displacement at the start of the step."""
+    square = 0.0
+    for k in range(surfaces.patches.node[p], surfaces.patches.node[p + 1]):
+        u = add(row(work.surfaces.base, k), row(work.surfaces.by_load, k))
+        change = subtract(u, row(state.surfaces.u, k))
+        square = max(square, dot(change, change))
+    return math.sqrt(square)
 
 
 @compiled

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
     MissedContactError,
@@ -32,7 +33,7 @@ from duhamel.solver.step.frames import move_frames
 from duhamel.solver.step.surfaces import press_surfaces
 from scipy.spatial.transform import Rotation
 
-from .pressing import EDGE, Motion, block
+from .pressing import EDGE, Motion, arm, block
 
 H, LONG = 2e-7, 1e-6
 PLANE = {"shape": "plane", "axis": [0.0, 0.0, 1.0]}
@@ -342,6 +343,41 @@ def test_a_block_on_a_hinge_bounces_and_keeps_its_energy():
     assert -252.0 < spin < -240.0
     assert motion.gain < 1e-6
     assert motion.energies[-1] / motion.energies[0] > 1.0 - 2e-3
+
+
+@pytest.mark.parametrize("step", [2e-6, 1e-6])
+def test_a_clamped_arm_that_swings_into_a_wall_does_not_enter_it(step):
+    """Its body stands still: only its deformation closes the contact."""
+    body = FlexibleBody(arm(), Start([0.04, 0.0, 0.002 + 1e-5]))
+    contact = SurfaceContact("floor", ["block.low", "ground"], **PLANE)
+    clamped = model(
+        [contact],
+        body=body,
+        joints=[Fixed("ground", "block.root")],
+        gravity=[0.0, 0.0, -2e4],
+        step=step,
+        steps=400,
+    )
+    motion = Motion(clamped)
+    X = motion.system.surfaces.patches.X
+    for _ in range(400):
+        assert motion.step()
+        x, R = motion.state.bodies.x[0], motion.state.bodies.R[0]
+        place = x + (X + motion.state.surfaces.u) @ R.T
+        assert not motion.work.surfaces.awake[0] or place[:, 2].min() > -1e-12
+    assert motion.closings > 1
+
+
+@pytest.mark.parametrize("ratio", [2, 5])
+def test_long_steps_in_flight_end_before_a_contact_closes(ratio):
+    def flown(step, **settings):
+        body = falling(position=[0.0, 0.0, 0.05], velocity=[0.0, 0.0, -100.0])
+        return simulate(model(body=body, step=step, steps=round(6e-4 / step), settings=settings))
+
+    short, long = flown(2e-7), flown(ratio * 2e-7, contact_step=2e-7)
+    velocities = [run.body("block").velocity[-1] for run in (short, long)]
+    assert velocities[0][2] > 50.0
+    np.testing.assert_allclose(velocities[1], velocities[0], atol=1e-6)
 
 
 def test_a_run_goes_on_from_a_closed_contact_to_the_bit():
