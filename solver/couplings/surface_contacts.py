@@ -10,6 +10,7 @@ See solver/step/surfaces.py.
 import math
 from collections.abc import Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -136,6 +137,19 @@ class SurfaceContact(CarriedShape, Entry):
             return read_facets(self.facets, self.hollow)
         except ModelError as error:
             raise self.error(f"facets: {error}") from error
+
+    @property
+    def in_words(self) -> str:
+        """What touches what, as `duhamel check` says it."""
+        if self.shape is not None:
+            met = f"a {'hollow ' if self.hollow else ''}{self.shape} on {self.carrier!r}"
+        elif self.facets is not None:
+            n = len(self.rigid_surface.facets)
+            met = f"{n} {self.geometry} facets of {Path(self.facets).name} on {self.carrier!r}"
+        else:
+            met = f"the {self.geometry} surface {self.target[1]!r} of {self.target[0]!r}"
+        layer = "" if self.layer is None else f", with a layer of {self.layer:g} N/m^3"
+        return f"surface {self.surface!r} of {self.body!r} on {met}{layer}"
 
     @property
     def between(self) -> tuple[str, str]:
