@@ -106,6 +106,8 @@ class Outlines:
 
     def _lacking(self, body: str) -> str:
         known, wanted = len(self._motion(body).places), self.space.interfaces.get(body)
+        if wanted == 0:
+            return f"it has no interfaces, and {self._refused[body]}"
         of = "" if wanted is None else f" of its {wanted} interfaces"
         return f"the run recorded {known or 'none'}{of}"
 

@@ -3,7 +3,7 @@
 All that is known of a quantity stands in one `Quantity`, in the class of its owner (motion.py):
 
     class MotorMotion(Recorded, group="motors", owner="motor"):
-        power: Array = quantity("W", "power that it gives")
+        power: Array = quantity("W", "power of the motor")
 
 The arrays of the time loop, the file, the attribute `results.motor(name).power`, the names and
 legends of `plot`, the report, exports and the tables of the documentation follow from it.
@@ -193,9 +193,9 @@ class Attribute:
     @property
     def shape(self) -> str:
         """As "(n, 3)"; k entries where an owner has several."""
-        if any(quantity.of for quantity in self.quantities):
-            return "(n, k)"
         width = sum(len(quantity.components) for quantity in self.quantities)
+        if any(quantity.of for quantity in self.quantities):
+            return f"(n, k, {width})" if width else "(n, k)"
         if width:
             return f"(n, {width})"
         return "(n,)" if self.quantities[0].dimensions[0] == "time" else "(m,)"

@@ -483,11 +483,17 @@ class Results:
         return self._recover(body, t)[:2]
 
     def _checked_recovery(self, body: str) -> tuple[Superelement, Recovery, Modes]:
+        if body in self.pressed:
+            raise RecoveryError(
+                f"body {body!r}: its surfaces are in contact: fields need all loads, and results "
+                "do not hold those of contacts on modes"
+            )
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
                 f"body {body!r}: superelement {element.name!r} holds no recovery: add "
-                f"a table [recovery] to its body file and preprocess it again"
+                f"a table [recovery] to its body file and preprocess it again; in Python "
+                "part.recover(), before part.superelement(...)"
             )
         self._check_recoverable(body, element)
         return element, element.recovery, element.modes
@@ -560,6 +566,21 @@ class Results:
             omega, force = motion.v[:, 3:], motion.second_order_force
             loads.append(second_order_loads(omega, force, element.mass))
         return modes, np.hstack(loads)
+
+    @property
+    def pressed_surfaces(self) -> tuple[tuple[str, str, str], ...]:
+        """Body, surface and contact of each surface in contact; "" for a second surface.
+
+        Contacts have pressures at the nodes of their first surface.
+        """
+        rows = [row.partition(" ") for row in str(self.solver.get("surfaces", "")).splitlines()]
+        places = [(place.partition("."), contact) for place, _, contact in rows]
+        return tuple((body, surface, contact) for (body, _, surface), contact in places)
+
+    @property
+    def pressed(self) -> frozenset[str]:
+        """The bodies of these surfaces."""
+        return frozenset(body for body, _, _ in self.pressed_surfaces)
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
         if (every := int(self.solver.get("every", 1))) > 1:

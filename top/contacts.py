@@ -1,10 +1,15 @@
-"""Contacts of a ball, about the second frame, with a shape that the first frame carries."""
+"""Contacts of a ball, about the second frame, with a shape that the first frame carries.
 
-from typing import Any, TypedDict, Unpack
+And contacts of surfaces of flexible bodies, by `surface`.
+"""
+
+import os
+from typing import Any, Literal, TypedDict, Unpack
 
 from duhamel.solver.couplings.contacts import Contact, Hertz
 from duhamel.solver.couplings.friction import Coulomb, Stribeck
 from duhamel.solver.couplings.impact import ForceTable, Impact
+from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.schema.values import Framed
 from numpy.typing import ArrayLike
 
@@ -119,6 +124,60 @@ def profile(
     return _contact(name, "profile", carrier, ball_frame, shape, law)
 
 
+def surface(
+    first: str | Framed,
+    second: str | Framed,
+    *,
+    shape: Literal["plane", "sphere", "cylinder", "profile"] | None = None,
+    axis: ArrayLike | str | None = None,
+    radius: float | None = None,
+    hollow: bool = False,
+    length: float | None = None,
+    points: ArrayLike | None = None,
+    facets: str | os.PathLike[str] | None = None,
+    geometry: Literal["smooth", "flat"] = "smooth",
+    layer: float | None = None,
+    margin: float | None = None,
+    name: str = "",
+) -> SurfaceContact:
+    """A surface of a flexible body on a shape, on rigid facets, or on another such surface.
+
+    Parameters
+    ----------
+    first
+        `ball["cap"]` or "ball.cap": the surface whose nodes are pressed, the finer one.
+    second
+        What it meets: another surface, or the frame that carries a shape or facets.
+    shape : {"plane", "sphere", "cylinder", "profile"}, optional
+    axis : (3,), or "x", "y", "z"
+        Of the shape, in space at the start; of a plane its normal, towards the surface.
+    radius, length : float [m]
+    hollow : bool
+        Whether the surface is inside of the shape.
+    points : (n, 2) [m]
+        Of a profile, see `profile`.
+    facets : path, optional
+        Of a file of triangles [m] in the axes of the second frame, as "wall.stl".
+    geometry : {"smooth", "flat"}
+        How facets that are met are read.
+    layer : float [N/m^3]
+        The stiffness per area of a layer between both, for flat against flat.
+    margin : float [m]
+        The gap below which nodes are candidates, by default what they may move in two steps.
+    name : str
+    """
+    given: dict[str, Any] = {
+        "shape": shape,
+        "axis": axis,
+        "radius": radius,
+        "length": length,
+        "points": points,
+    }
+    given |= {"facets": facets, "layer": layer, "margin": margin}
+    keys = {key: value for key, value in given.items() if value is not None}
+    return SurfaceContact(name, (first, second), hollow=hollow, geometry=geometry, **keys)
+
+
 def _contact(
     name: str,
     shape: str,
@@ -143,8 +202,10 @@ __all__ = [
     "Hertz",
     "Law",
     "Stribeck",
+    "SurfaceContact",
     "cylinder",
     "plane",
     "profile",
     "sphere",
+    "surface",
 ]

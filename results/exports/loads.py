@@ -89,10 +89,15 @@ def load_set(results: Results, body: str, at: At) -> LoadSet:
     Raises
     ------
     ExportError
-        Where the run did not record the body and all of its interfaces.
+        Where the run did not record the body and all of its interfaces, or contacts press on it.
     RecoveryError
         Where the superelement is not there. See `write_loads` for an example.
     """
+    if body in results.pressed:
+        raise ExportError(
+            f"body {body!r}: its surfaces are in contact, whose pressure is not exported: loads on "
+            "interfaces alone would balance another motion"
+        )
     element = results.superelement(body)
     wrenches = _wrenches(results, body, element)
     row = _worst(wrenches, element.size) if at == "worst" else _nearest(results.time, at)

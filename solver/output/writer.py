@@ -1,6 +1,7 @@
 """The destination of the results of a run, and the notes at its head."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -158,6 +159,13 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
     )
 
 
+def _surfaces(model: Model) -> Iterator[str]:
+    for contact in model.surface_contacts:
+        yield f"{contact.surfaces[0]} {contact.name}"
+        if contact.meets_surface:
+            yield f"{contact.surfaces[1]} "
+
+
 def _notes_of_contacts(lowered: LoweredModel) -> dict[str, Any]:
     """The step in contacts, of runs with two sizes of steps."""
     return {} if lowered.flight is None else {"contact_step": lowered.h}
@@ -168,7 +176,8 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
 
     drift: lines about coordinates that are driven by their velocity or acceleration; records: the
     digests of the files of recorded signals, and of the superelements of rigid bodies; bands: a
-    line for each flexible body whose superelement is right up to a frequency [Hz].
+    line for each flexible body whose superelement is right up to a frequency [Hz]; surfaces: a line
+    for each surface in contact, with the contact that has rows at its nodes.
     """
     bands = [element.band for element in lowered.superelements]
     of_bodies = zip(bands, lowered.model.flexible_bodies, strict=True)
@@ -179,6 +188,7 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
         "contact_h": lowered.h if lowered.flight else None,
         "drift": "\n".join(map(str, drifts(lowered, steps * lowered.h))),
         "records": " ".join(sorted(files)),
+        "surfaces": "\n".join(_surfaces(lowered.model)),
         "bands": "\n".join(f"{band!r} {name}" for band, name in of_bodies if isfinite(band)),
     }
     return {name: note for name, note in notes.items() if note}

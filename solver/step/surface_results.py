@@ -20,7 +20,7 @@ from .vectors import (
     subtract,
 )
 
-ROUNDING = 1e-10
+NEGLIGIBLE_RATE = 1e-10
 """of a rate of separation over the speeds of which it is the difference"""
 
 
@@ -32,7 +32,7 @@ def keep_velocities(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
-def follow_surfaces(system: System, state: State, work: Workspace) -> None:
+def add_up_surfaces(system: System, state: State, work: Workspace) -> None:
     """Contacts of surfaces from the start to the end of a step: totals, impulses, events."""
     h = work.couplings.elapsed[0]
     for c in range(len(system.surfaces.contacts.patch)):
@@ -115,7 +115,7 @@ def _separation_rate(
     size = math.sqrt(dot(way, way))
     rate = dot(subtract(first, second), way) / size if size > 0.0 else 0.0
     speeds = math.sqrt(dot(first, first)) + math.sqrt(dot(second, second))
-    return rate if abs(rate) > ROUNDING * speeds else 0.0
+    return rate if abs(rate) > NEGLIGIBLE_RATE * speeds else 0.0
 
 
 @compiled
