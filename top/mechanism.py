@@ -10,7 +10,6 @@ from typing import Any, Literal, Self, TypeVar, overload
 import numpy as np
 from duhamel import solver, superelement, view
 from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
-from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.model.bodies import Body, Place, Start
 from duhamel.solver.model.model import numbered
 from duhamel.solver.schema.values import Framed, direction
@@ -303,8 +302,8 @@ class Mechanism:
         """The mechanism as the solver takes it; `ModelError` says what is wrong with it."""
         entries: dict[str, Any] = {**self._entries}
         contacts = entries["contacts"]
-        of_surfaces = tuple(one for one in contacts if isinstance(one, SurfaceContact))
-        entries["contacts"] = tuple(one for one in contacts if not isinstance(one, SurfaceContact))
+        of_surfaces = tuple(one for one in contacts if one.presses_surfaces)
+        entries["contacts"] = tuple(one for one in contacts if not one.presses_surfaces)
         return solver.Model(
             bodies=dict(self.bodies),
             gravity=self.gravity,

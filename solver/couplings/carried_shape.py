@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -44,6 +44,9 @@ SHAPE_TYPES = {
 
 class CarriedShape:
     """What contacts with the keys of a shape have in common."""
+
+    presses_surfaces: ClassVar[bool] = False
+    """whether surfaces of bodies meet, by their nodes, and not a ball"""
 
     if TYPE_CHECKING:  # fields of the contacts
 

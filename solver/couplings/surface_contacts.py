@@ -83,6 +83,7 @@ class SurfaceContact(CarriedShape, Entry):
 
     label = "contact {name!r}"
     group: ClassVar[str] = "contacts"
+    presses_surfaces: ClassVar[bool] = True
 
     name: Name
     surfaces: Pair
