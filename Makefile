@@ -5,7 +5,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
 PACKAGES := files inputs superelement results preprocess solver view study cli
-DATA := $(wildcard cli/starters/*/*) view/report/page.css view/report/page.js
+DATA := $(wildcard cli/starters/*/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
 # Each process takes one thread. A file's tests go to one of them, for what they share is made once.

@@ -35,8 +35,7 @@ from numpy.typing import NDArray
 from scipy.sparse import bsr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from surface_bodies import STEEL, dome
 
 Array = NDArray[np.float64]
@@ -295,7 +294,8 @@ def main(repeats: int, chosen: list[str]) -> None:
         element = case.part.superelement(step=case.steps[0], band=case.band)
         made = time.process_time() - begin
         mesh = mesh_of(case.part, element)
-        assert element.surfaces is not None and element.modes is not None
+        assert element.surfaces is not None
+        assert element.modes is not None
         runs = [(h, layer) for layer in (case.layer, None) for h in case.steps]
         first = runs[0]
 

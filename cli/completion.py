@@ -23,6 +23,7 @@ def _beginning(incomplete: str, suffixes: tuple[str, ...]) -> Iterator[str]:
     folders: list[str] = []
     with suppress(OSError, ValueError):
         for path in sorted(Path(head + slash or ".").expanduser().iterdir()):
+            # Hidden files are offered to those who type their dot, as shells do.
             if not path.name.startswith(start) or (path.name.startswith(".") and not start):
                 continue
             if path.is_dir():

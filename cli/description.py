@@ -4,27 +4,21 @@ from collections.abc import Iterator
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ..superelement import Chain, Interface, Kernel, Modes, Provenance, Rotation, Superelement
-from ..superelement.validation import Array
+from .tables import Row, components, sectioned
 
 SHOWN_FREQUENCIES = 10
-SHOWN_SHAPES = 20
-"""of which the stiffening is shown"""
+# Of which the stiffening is shown: the softest come first.
+STIFFENED_SHAPES = 20
 UNKNOWN_STIFFENING = (
     "none, for [matrices] know none: slender bodies, as blades, soften as they turn where they "
     "would stiffen"
 )
 
-Row = tuple[str, str]
-
 
 def describe(element: Superelement) -> Table:
     """Mass properties, interfaces, surfaces, frequencies, kernel and provenance, a section each."""
-    table = Table(title=Text(element.name), show_header=False)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold")
     sections = (
         _rigid(element),
         _interfaces(element.interfaces),
@@ -35,19 +29,15 @@ def describe(element: Superelement) -> Table:
         _kernel(element.kernel),
         _provenance(element.provenance),
     )
-    for section in sections:
-        for label, value in section:
-            table.add_row(Text(label), Text(value))
-        table.add_section()
-    return table
+    return sectioned(element.name, sections)
 
 
 def _rigid(element: Superelement) -> Iterator[Row]:
     principal = np.linalg.eigvalsh(element.J_rot).astype(np.float64)
     yield "mass [kg]", f"{element.mass:.6g}"
-    yield "center of mass [m]", _line(element.center)
-    yield "principal inertia [kg m^2]", _line(principal)
-    yield "inertia [kg m^2]", "\n".join(_line(row) for row in element.J_rot)
+    yield "center of mass [m]", components(element.center)
+    yield "principal inertia [kg m^2]", components(principal)
+    yield "inertia [kg m^2]", "\n".join(components(row) for row in element.J_rot)
     if element.outline is not None:
         yield "outline", f"{element.outline.n_facets} facets, {len(element.outline.points)} points"
 
@@ -55,7 +45,7 @@ def _rigid(element: Superelement) -> Iterator[Row]:
 def _interfaces(interfaces: tuple[Interface, ...]) -> Iterator[Row]:
     yield "interfaces", f"{len(interfaces)}, positions [m] from the center of mass"
     for interface in interfaces:
-        yield f"  {interface.name}", f"{_line(interface.X)}   {interface.n_dofs} dofs"
+        yield f"  {interface.name}", f"{components(interface.X)}   {interface.n_dofs} dofs"
 
 
 def _surfaces(element: Superelement) -> Iterator[Row]:
@@ -72,16 +62,17 @@ def _channels(element: Superelement) -> Iterator[Row]:
     if element.patterns:
         yield "load patterns", f"{len(element.patterns)}, resultants at the amplitude 1"
     for pattern in element.patterns:
-        force, moment = _line(pattern.force), _line(pattern.moment)
+        force, moment = components(pattern.force), components(pattern.moment)
         yield f"  {pattern.name}", f"{force} N   {moment} N m about the center of mass"
     if element.sensors:
         yield "sensors", f"{len(element.sensors)}, positions [m] from the center of mass"
     for sensor in element.sensors:
-        yield f"  {sensor.name}", f"{_line(sensor.X)}   {sensor.kind}"
+        yield f"  {sensor.name}", f"{components(sensor.X)}   {sensor.kind}"
 
 
 def _frequencies(modes: Modes | None) -> Iterator[Row]:
     if modes is None:
+        # Another step or rho_inf is made from modes; a kernel alone is what it was sampled as.
         yield "modes", "none, so the step and rho_inf of the kernel are fixed"
         return
     first = np.sort(modes.resonances)[:SHOWN_FREQUENCIES] / (2.0 * np.pi)
@@ -135,7 +126,7 @@ def _rotation(rotation: Rotation | None) -> Iterator[Row]:
         "rotation",
         f"r = {rotation.r}: {rotation.n_low} modes, {rotation.n_soft} soft shapes{energy}",
     )
-    kappa = ", ".join(f"{value:.2g}" for value in rotation.kappa[:SHOWN_SHAPES])
+    kappa = ", ".join(f"{value:.2g}" for value in rotation.kappa[:STIFFENED_SHAPES])
     yield "  stiffening, relative", kappa if rotation.stiffens else UNKNOWN_STIFFENING
 
 
@@ -159,7 +150,3 @@ def _provenance(source: Provenance) -> Iterator[Row]:
         "timings [s]",
         ", ".join(f"{stage} {seconds:.3g}" for stage, seconds in source.timings.items()),
     )
-
-
-def _line(values: Array) -> str:
-    return " ".join(f"{value:11.5g}" for value in values)

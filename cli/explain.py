@@ -23,6 +23,7 @@ def criteria_named(words: str) -> list[Criterion]:
 
 def similar_names(words: str) -> list[str]:
     """Names like some words."""
+    # Names of criteria have underscores, which nobody types who reads them in a table.
     return get_close_matches(words.replace(" ", "_"), ALL_CRITERIA, n=3, cutoff=0.5)
 
 

@@ -11,8 +11,8 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-LONGEST = 2000
-"""characters of a line"""
+# Characters: names of files and models may be of any length.
+MAX_LINE = 2000
 
 
 class Commands(TyperGroup):
@@ -55,11 +55,11 @@ def _of_the_system(error: OSError) -> str:
 def one_line(text: object) -> str:
     """Text as one line, not at length; what cannot be printed is escaped, as in a path."""
     line = "".join(map(_printable, str(text)))
-    return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
+    return line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]}..."
 
 
-INTERRUPTED = 130
-"""exit code after Ctrl-C, as shells have it"""
+# After Ctrl-C, as shells have it.
+INTERRUPTED_CODE = 130
 
 
 @contextmanager
@@ -72,6 +72,7 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
     exported = _exported_exceptions(*packages)
     own_warnings = tuple(item for item in exported if issubclass(item, Warning))
     with warnings.catch_warnings():
+        # Python shows a warning once for each place in the code, and users want it for each body.
         for category in own_warnings:
             warnings.simplefilter("always", category)
         show, told = warnings.showwarning, set[str]()
@@ -113,7 +114,7 @@ def unwritten(target: Path, before: str = "") -> Iterator[None]:
 
 def _stop(interrupt: KeyboardInterrupt) -> NoReturn:
     typer.echo(one_line(str(interrupt) or "interrupted"), err=True)
-    raise typer.Exit(INTERRUPTED) from interrupt
+    raise typer.Exit(INTERRUPTED_CODE) from interrupt
 
 
 def _fail(message: str, cause: BaseException) -> NoReturn:

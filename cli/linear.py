@@ -6,18 +6,10 @@ from typing import Annotated, Any
 
 import typer
 
+from .arguments import output_option
 from .failures import one_line
 
-LinearOutput = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="A picture, or a table: FILE.csv.",
-        show_default=False,
-    ),
-]
+LinearOutput = Annotated[Path | None, output_option("FILE", "A picture, or a table: FILE.csv.")]
 ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
 
 
@@ -40,24 +32,12 @@ def linear_title(model_file: Path, spin: float) -> str:
     return f"{model_file.stem}, at {spin:.6g} rad/s" if spin else model_file.stem
 
 
-def require_no_model(target: Path | None, model_file: Path) -> None:
-    from .. import view
-    from ..files.outputs import clash
-
-    if target is not None and (found := clash([target], {model_file: "the model file"})):
-        raise view.PictureError(f"{found}, which the output would replace")
-
-
 def write_output(target: Path, rows: list[list[str]], picture: Callable[[], Any] | None) -> None:
     """A table where the suffix is .csv, else a picture."""
     from .. import files, view
-    from ..files.outputs import in_words
 
     if target.suffix.lower() == ".csv":
-        try:
-            files.write_rows(target, rows)
-        except OSError as error:
-            raise view.PictureError(f"{target}: cannot be written: {in_words(error)}") from error
+        files.write_rows(target, rows, view.PictureError)
     elif picture is None:
         raise view.PictureError(f"{target}: expected a table, .csv")
     else:

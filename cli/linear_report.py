@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ..solver import Campbell, FrequencyResponse, LinearModel, LinearModes
 from ..superelement.validation import Array
@@ -17,34 +16,29 @@ from ..view import (
     draw_response,
     draw_shapes,
 )
+from .tables import table
 
-NEAR = 41
-"""frequencies within the width of each resonance"""
-NARROW = 1e-4
-"""ratio of damping from which a resonance counts as so wide"""
-ROUNDING = 1e-9
-"""damping ratio, or frequency over the largest, that counts as none"""
-SHOWN = 12
-"""modes that are drawn"""
-ABREAST = 6
-"""lines of a Campbell diagram side by side"""
-WHIRLS = {"forward": "forw.", "backward": "backw.", "none": "none"}
-"""names of whirl in narrow columns"""
+# Within its width, or a sharp peak falls between two points.
+FREQUENCIES_PER_RESONANCE = 41
+# Of damping: a sharper resonance counts as so wide, for its peak has no end.
+LEAST_RESONANCE_RATIO = 1e-4
+# Damping ratios, and frequencies over the largest, that count as none.
+ROUNDING_SHARE = 1e-9
+# Six rows of two fill a page.
+MAX_DRAWN_MODES = 12
+# Of a Campbell diagram, in 80 columns.
+LINES_ABREAST = 6
+# Whole ones would leave four lines abreast.
+NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none"}
 
 
 def modes_table(title: str, modes: LinearModes) -> Table:
     """Number, frequency, damping and what is special of every mode."""
-    table = Table(title=Text(title))
-    for column in ("mode", "frequency [Hz]", "damping [%]", ""):
-        table.add_column(column, justify="left" if not column else "right")
-    for k in range(len(modes)):
-        table.add_row(
-            str(k + 1),
-            f"{modes.frequencies[k]:.6g}",
-            _percent(float(modes.ratios[k])),
-            kind(modes, k),
-        )
-    return table
+    rows = (
+        (k + 1, f"{modes.frequencies[k]:.6g}", _percent(float(modes.ratios[k])), kind(modes, k))
+        for k in range(len(modes))
+    )
+    return table(title, ("mode", "frequency [Hz]", "damping [%]", ""), rows, "nnnt")
 
 
 def per(unit: str, given: str) -> str:
@@ -53,7 +47,7 @@ def per(unit: str, given: str) -> str:
 
 
 def _percent(ratio: float) -> str:
-    return "0" if abs(ratio) < ROUNDING else f"{100.0 * ratio:.4g}"
+    return "0" if abs(ratio) < ROUNDING_SHARE else f"{100.0 * ratio:.4g}"
 
 
 def kind(modes: LinearModes, k: int) -> str:
@@ -77,7 +71,7 @@ def modes_csv(modes: LinearModes) -> list[list[str]]:
 def modes_picture(title: str, linear: LinearModel, modes: LinearModes) -> Any:
     """The first modes, two a row."""
     shapes = []
-    for k in range(min(len(modes), SHOWN)):
+    for k in range(min(len(modes), MAX_DRAWN_MODES)):
         bodies = [(s.points, s.motion, s.edges) for s in linear.shapes(modes.y[:, k])]
         what = kind(modes, k) or f"{modes.frequencies[k]:.5g} Hz"
         shapes.append(ModeShape(f"{k + 1}: {what}", bodies))
@@ -93,7 +87,9 @@ def grid(band: tuple[float, float], n: int, modes: LinearModes | None) -> Array:
     for f, ratio in zip(modes.frequencies.tolist(), modes.ratios.tolist(), strict=True):
         if band[0] <= f <= band[1]:
             # an even number beside the peak, which is infinite without damping
-            spread = np.linspace(-8.0, 8.0, NEAR + 1) * max(ratio, NARROW)
+            spread = np.linspace(-8.0, 8.0, FREQUENCIES_PER_RESONANCE + 1) * max(
+                ratio, LEAST_RESONANCE_RATIO
+            )
             parts.append(f * (1.0 + spread))
     joined: Array = np.unique(np.concatenate(parts))
     inside = (joined >= band[0]) & (joined <= band[1])
@@ -107,6 +103,7 @@ def band_of(modes: LinearModes, limit: float = np.inf) -> tuple[float, float]:
     """
     moving = np.sort(modes.frequencies[modes.frequencies > 0.0])
     if not len(moving):
+        # Rigid bodies that nothing holds: any band shows their masses.
         return 1.0, 1000.0
     first = float(moving[0])
     return first / 5.0, max(min(2.0 * float(moving[:10][-1]), limit), 2.0 * first)
@@ -119,47 +116,42 @@ def response_csv(responses: Mapping[str, FrequencyResponse]) -> list[list[str]]:
     """
     first = next(iter(responses.values()))
     columns = [["frequency_Hz", *map(repr, first.frequencies.tolist())]]
-    for remark, response in responses.items():
-        columns += _response_columns(remark, response)
+    for curve in _curves(responses):
+        columns.append([f"{curve.name} [{curve.unit}]", *_numbers(np.abs(curve.values))])
+        columns.append([f"{curve.name} phase [rad]", *_numbers(np.angle(curve.values))])
     return [list(row) for row in zip(*columns, strict=True)]
 
 
-def _response_columns(remark: str, response: FrequencyResponse) -> Iterator[list[str]]:
-    """Magnitudes and phases, each under its name."""
-    for i, (output, unit) in enumerate(zip(response.outputs, response.units, strict=True)):
-        for j, given in enumerate(response.inputs):
-            name, values = f"{output} by {given}{remark}", response.values[:, i, j]
-            yield [f"{name} [{per(unit, response.input_units[j])}]", *_numbers(np.abs(values))]
-            yield [f"{name} phase [rad]", *_numbers(np.angle(values))]
-
-
-def _numbers(values: Array) -> list[str]:
-    return list(map(repr, values.tolist()))
-
-
-def response_picture(title: str, responses: dict[str, FrequencyResponse]) -> Any:
-    """All outputs by all inputs; responses: by what is said behind their names."""
-    curves = []
+def _curves(responses: Mapping[str, FrequencyResponse]) -> Iterator[ResponseCurve]:
+    """Every output by every input."""
     for remark, response in responses.items():
         for i, output in enumerate(response.outputs):
             for j, given in enumerate(response.inputs):
                 unit = per(response.units[i], response.input_units[j])
-                values = response.values[:, i, j]
-                curves.append(ResponseCurve(f"{output} by {given}{remark}", unit, values))
+                yield ResponseCurve(f"{output} by {given}{remark}", unit, response.values[:, i, j])
+
+
+def _numbers(values: Array) -> list[str]:
+    # As many digits as read back to the same number.
+    return list(map(repr, values.tolist()))
+
+
+def response_picture(title: str, responses: Mapping[str, FrequencyResponse]) -> Any:
+    """All outputs by all inputs; responses: by what is said behind their names."""
     frequencies = next(iter(responses.values())).frequencies
-    return draw_response(frequencies, curves, title)
+    return draw_response(frequencies, list(_curves(responses)), title)
 
 
 def static_table(response: FrequencyResponse) -> Table:
     """Static influence coefficients: a row for each output, a column for each input."""
-    table = Table(title=Text("static influence coefficients"))
-    table.add_column("output")
-    for name, unit in zip(response.inputs, response.input_units, strict=True):
-        table.add_column(Text(f"per {unit or 'unit'} of {name}"), justify="right")
-    for i, (name, unit) in enumerate(zip(response.outputs, response.units, strict=True)):
-        values = (f"{value:.9g}" for value in response.values[0, i].real.tolist())
-        table.add_row(Text(f"{name} [{unit}]"), *values)
-    return table
+    inputs = zip(response.inputs, response.input_units, strict=True)
+    headings = ["output", *(f"per {unit or 'unit'} of {name}" for name, unit in inputs)]
+    outputs = enumerate(zip(response.outputs, response.units, strict=True))
+    rows = (
+        (f"{name} [{unit}]", *(f"{value:.9g}" for value in response.values[0, i].real.tolist()))
+        for i, (name, unit) in outputs
+    )
+    return table("static influence coefficients", headings, rows, "t".ljust(len(headings), "n"))
 
 
 def campbell_rows(diagram: Campbell) -> list[list[str]]:
@@ -180,25 +172,23 @@ def campbell_rows(diagram: Campbell) -> list[list[str]]:
 def campbell_tables(title: str, diagram: Campbell) -> Iterator[Table]:
     """Frequencies over the spin, as many lines side by side as fit into 80 columns."""
     largest = max(float(np.nanmax(line.frequencies)) for line in diagram.lines)
-    heads = [f"{k + 1} {WHIRLS[line.whirl]}" for k, line in enumerate(diagram.lines)]
-    for first in range(0, len(heads), ABREAST):
+    heads = [f"{k + 1} {NARROW_WHIRL_NAMES[line.whirl]}" for k, line in enumerate(diagram.lines)]
+    for first in range(0, len(heads), LINES_ABREAST):
         what = f"{title}: frequencies in space [Hz] over the spin [rad/s]" if not first else ""
-        table = Table(title=Text(what) if what else None)
-        table.add_column("spin", justify="right", no_wrap=True)
-        for head in heads[first : first + ABREAST]:
-            table.add_column(head, justify="right", no_wrap=True)
-        lines = diagram.lines[first : first + ABREAST]
-        for n, spin in enumerate(diagram.spins.tolist()):
-            values = [line.frequencies[n] for line in lines]
-            table.add_row(f"{spin:.5g}", *(_rounded(f, largest) for f in values))
-        yield table
+        lines = diagram.lines[first : first + LINES_ABREAST]
+        rows = [
+            (f"{spin:.5g}", *(_rounded(line.frequencies[n], largest) for line in lines))
+            for n, spin in enumerate(diagram.spins.tolist())
+        ]
+        headings = ("spin", *heads[first : first + LINES_ABREAST])
+        yield table(what, headings, rows, "n" * len(headings))
 
 
 def _rounded(frequency: float, largest: float) -> str:
     """A frequency with five digits, 0 where it is the rounding of the largest."""
     if np.isnan(frequency):
         return ""
-    return f"{frequency:.5g}" if frequency > ROUNDING * largest else "0"
+    return f"{frequency:.5g}" if frequency > ROUNDING_SHARE * largest else "0"
 
 
 def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
@@ -211,6 +201,7 @@ def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
                 f"{order:g}x meets line {crossing.line + 1} ({whirl}) at {crossing.spin:.6g} "
                 f"rad/s, {turns:.6g} turns per minute: {crossing.frequency:.6g} Hz"
             )
+    # A mode that grows is told even where no engine order meets it.
     for spin in diagram.spins[diagram.unstable].tolist():
         yield f"UNSTABLE at {spin:.6g} rad/s: a mode grows, see `duhamel modes` at that spin"
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..results import Results
-from ..results.motion import Energy, Events
+from ..results.motion import BALANCED_ENERGIES, Energy, Events
 from ..superelement.validation import Array
 
-NOTICEABLE = 1e-9
-"""the least reported error or change of positions [m, rad] and velocities [m/s, rad/s]"""
+# Of positions [m, rad] and velocities [m/s, rad/s]: less is the rounding of the assembly.
+NOTICEABLE_CHANGE = 1e-9
 
 
 def report(results: Results) -> Iterator[str]:
@@ -20,15 +20,15 @@ def report(results: Results) -> Iterator[str]:
         yield f"redundant constraints removed: {solver['removed']}"
     if damping := solver.get("damping"):
         yield f"damping ratios about the initial state: {damping}"
-    if solver["assembly_error"] > NOTICEABLE:
+    if solver["assembly_error"] > NOTICEABLE_CHANGE:
         opening, joint = solver["assembly_error"], solver["assembly_error_at"]
         yield f"largest assembly error: {opening:.3g} m at {joint}"
-    if solver["velocity_error"] > NOTICEABLE:
+    if solver["velocity_error"] > NOTICEABLE_CHANGE:
         error, joint = solver["velocity_error"], solver["velocity_error_at"]
         yield f"largest velocity error: {error:.3g} m/s or rad/s at {joint}"
-    if solver["moved"] > NOTICEABLE:
+    if solver["moved"] > NOTICEABLE_CHANGE:
         yield f"bodies start up to {solver['moved']:.3g} m or rad from their given places"
-    if solver["velocity_correction"] > NOTICEABLE:
+    if solver["velocity_correction"] > NOTICEABLE_CHANGE:
         change = solver["velocity_correction"]
         yield f"bodies start up to {change:.3g} m/s or rad/s from their given velocities"
     if solver["truncation"] > 0.0:
@@ -100,6 +100,7 @@ def _created(energy: Energy, rule: str) -> Iterator[str]:
     """A line where the convolution has created energy."""
     put_in = energy.elastic + energy.numerical
     lowest, scale = float(put_in.min()), float(np.abs(put_in).max())
+    # Two bounds: rounding of large energies, and that of a run in which nothing vibrates.
     if lowest < -1e-9 * scale and lowest < -10.0 * np.finfo(float).eps:
         yield (
             f"elastic energy fell to {lowest:.3g} J: the convolution has created energy "
@@ -108,14 +109,13 @@ def _created(energy: Energy, rule: str) -> Iterator[str]:
 
 
 def _energy_balance(energy: Energy) -> str:
-    names = ("kinetic", "elastic", "springs", "potential", "work", "dissipated", "numerical")
     last = ", ".join(
-        f"{name} {getattr(energy, name)[-1]:.4g}" for name in names if getattr(energy, name).any()
+        f"{name} {getattr(energy, name)[-1]:.4g}"
+        for name in BALANCED_ENERGIES
+        if getattr(energy, name).any()
     )
-    largest = float(np.abs(energy.balance).max())
-    sizes = [np.abs(getattr(energy, name)).max() for name in names if name != "potential"]
-    scale = float(max(*sizes, np.ptp(energy.potential)))
-    relative = f", {largest / scale:.1g} of the largest" if scale > 0.0 else ""
+    largest, share = energy.imbalance()
+    relative = f", {share:.1g} of the largest" if share else ""
     return f"energy at the end [J]: {last or 'none'}; balance within {largest:.2g}{relative}"
 
 

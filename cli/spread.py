@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from .failures import INTERRUPTED, one_line
+from .failures import INTERRUPTED_CODE, one_line
 
 if TYPE_CHECKING:
     from ..superelement import Superelement
@@ -18,7 +18,8 @@ def run_spread(processes: int, body_file: Path, output: Path | None) -> None:
 
     target = [] if output is None else ["-o", str(output)]
     code = run_on(processes, [str(body_file), *target])
-    if code not in (0, 1, INTERRUPTED):
+    # With these the first process has told why itself.
+    if code not in (0, 1, INTERRUPTED_CODE):
         told = (
             f"error: {body_file}: mpiexec ended with {code}: a process was killed, perhaps for "
             "want of memory, and no superelement is written"

@@ -4,33 +4,28 @@ from collections.abc import Iterator
 
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
 from ..view import Cross, Marker, Patch, Scene
+from .tables import Row, components, sectioned
 
-EXACT = "from the mesh itself"
-ESTIMATED = (
+EXACT_FREQUENCIES = "from the mesh itself"
+ESTIMATED_FREQUENCIES = (
     "upper bounds, by fields that are quadratic splines in space: a few per cent high for compact "
     "bodies, up to a quarter where thin walls meet"
 )
 
+# They follow a vibration well, by docs/validity.md.
 STEPS_IN_PERIOD = 20
-"""time steps in a period that follow a vibration well, by docs/validity.md"""
-CROSSES = 5
-"""lines of beams whose local axes are drawn"""
-
-Row = tuple[str, str]
+# Lines of beams whose local axes are drawn: those of all would hide each other.
+DRAWN_SECTIONS = 5
 
 
 def report(survey: Survey) -> Table:
     """Mesh, masses, interfaces, surfaces, frequencies, cost and doubts, a section each."""
-    table = Table(title=Text(survey.body.name), show_header=False)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold")
-    for section in (
+    sections = (
         _mesh(survey),
         _rigid(survey),
         _attachments(survey),
@@ -40,11 +35,8 @@ def report(survey: Survey) -> Table:
         _rotation(survey),
         _cost(survey),
         _doubts(survey),
-    ):
-        for label, value in section:
-            table.add_row(Text(label), Text(value))
-        table.add_section()
-    return table
+    )
+    return sectioned(survey.body.name, sections)
 
 
 def scene(survey: Survey) -> Scene:
@@ -67,6 +59,7 @@ def scene(survey: Survey) -> Scene:
         for name, sensor in survey.body.sensors.items()
     ]
     if facets is None:
+        # Lines do not show which way a section is turned: its axes do.
         lines = mesh.points[mesh.cells["line"]]
         return Scene(lines=lines, markers=markers, masses=masses, sections=_crosses(survey))
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]
@@ -76,7 +69,7 @@ def scene(survey: Survey) -> Scene:
 def _crosses(survey: Survey) -> list[Cross]:
     """The local axes of some lines, evenly among them."""
     points, axes = survey.section_axes()
-    some = np.unique(np.linspace(0, len(points) - 1, CROSSES).round().astype(int))
+    some = np.unique(np.linspace(0, len(points) - 1, DRAWN_SECTIONS).round().astype(int))
     return [Cross(points[i], axes[i, 1], axes[i, 2]) for i in some.tolist()]
 
 
@@ -84,8 +77,8 @@ def _mesh(survey: Survey) -> Iterator[Row]:
     mesh, structure = survey.mesh, survey.structure
     elements = ", ".join(f"{len(cells)} {kind}" for kind, cells in mesh.elements.items())
     yield "mesh", f"{mesh.name}: {len(mesh.points)} nodes, {elements}"
-    yield "from [m]", _line(mesh.points.min(axis=0))
-    yield "to [m]", _line(mesh.points.max(axis=0))
+    yield "from [m]", components(mesh.points.min(axis=0))
+    yield "to [m]", components(mesh.points.max(axis=0))
     yield "unknowns", f"{structure.n_u}, of which {structure.P_C.shape[0]} interface dofs are kept"
 
 
@@ -93,7 +86,10 @@ def _rigid(survey: Survey) -> Iterator[Row]:
     rigid = survey.structure.rigid
     yield "mass [kg]", f"{rigid.mass:.6g}"
     yield "center of mass [m]", _position(rigid.center, survey)
-    yield "principal inertia [kg m^2]", _line(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64))
+    yield (
+        "principal inertia [kg m^2]",
+        components(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64)),
+    )
     unit = "m" if survey.facets is None else "m^3"
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
@@ -105,10 +101,10 @@ def _channels(survey: Survey) -> Iterator[Row]:
     if channels is None:
         return
     for pattern in channels.patterns:
-        force, moment = _line(pattern.force), _line(pattern.moment)
+        force, moment = components(pattern.force), components(pattern.moment)
         yield f"load {pattern.name}", f"{force} N, {moment} N m about the center of mass"
     for sensor in channels.sensors:
-        place = _line(sensor.X + survey.structure.rigid.center)
+        place = components(sensor.X + survey.structure.rigid.center)
         yield f"sensor {sensor.name}", f"{sensor.kind} at {place} m"
 
 
@@ -152,7 +148,7 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
         f"first {len(frequencies.values)} [Hz]",
         ", ".join(f"{value:.5g}" for value in frequencies.values),
     )
-    yield "  found", EXACT if frequencies.exact else ESTIMATED
+    yield "  found", EXACT_FREQUENCIES if frequencies.exact else ESTIMATED_FREQUENCIES
     inside = int((frequencies.values <= band).sum())
     held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"
@@ -206,8 +202,4 @@ def _doubts(survey: Survey) -> Iterator[Row]:
 
 def _position(X: Array, survey: Survey) -> str:
     """Coordinates, without the rounding of those that are zero."""
-    return _line(np.where(np.abs(X) < 1e-12 * survey.mesh.size, 0.0, X))
-
-
-def _line(values: Array) -> str:
-    return " ".join(f"{value:11.5g}" for value in values)
+    return components(np.where(np.abs(X) < 1e-12 * survey.mesh.size, 0.0, X))

@@ -36,17 +36,18 @@ def shown_cases(total: int) -> Iterator[OnFinished]:
             ) from interrupt
 
 
-WORTH_TELLING = 1e8
-"""Bytes that the cases of a study write, from which on it is said before they start."""
+# Bytes that the cases of a study write: less fills no disk.
+LEAST_TOLD_BYTES = 1e8
 
 
 def tell_size(folder: Path) -> OnBegin:
     """Tells what the cases will write, if that is much or the disk of their folder has no room."""
 
     def begin(cases: int, size: int) -> None:
+        # The folder of a new study is not there yet, but the disk is that of its parents.
         existing = next(path for path in (folder, *folder.parents) if path.is_dir())
         free = shutil.disk_usage(existing).free
-        if size < min(WORTH_TELLING, free):
+        if size < min(LEAST_TOLD_BYTES, free):
             return
         lacking = f", and the disk has {gigabytes(free)}: record less by [output]"
         written = f"{cases} cases write about {gigabytes(size)}{lacking if size > free else ''}"

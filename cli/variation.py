@@ -7,8 +7,8 @@ from .. import view
 from ..study import StudyError, read_summary
 from ..superelement.validation import Array
 
-OF_RUNS = ("seconds", "steps", "iterations", "modes", "error")
-"""numbers of a summary that are drawn where they are asked for alone"""
+# Of a summary; they are drawn where they are asked for alone.
+RUN_NUMBERS = ("seconds", "steps", "iterations", "modes", "error")
 
 
 def draw(summary_file: Path, asked: Sequence[str], target: Path, title: str | None) -> None:
@@ -24,7 +24,7 @@ def draw(summary_file: Path, asked: Sequence[str], target: Path, title: str | No
 
 def _chosen(numbers: Mapping[str, Array], asked: Sequence[str]) -> dict[str, Array]:
     if not asked:
-        return {name: values for name, values in numbers.items() if name not in OF_RUNS}
+        return {name: values for name, values in numbers.items() if name not in RUN_NUMBERS}
     for name in asked:
         if name not in numbers:
             raise StudyError(f"no output {name!r}; there are: {', '.join(numbers)}")

@@ -40,27 +40,33 @@ DAMAGE_ERRORS = (
 
 @contextmanager
 def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h5py.File]:
-    """A file for reading that `require_contained` lets pass.
+    """A file for reading that `require_contained` lets pass, see `failures_named`."""
+    with failures_named(path, failure), h5py.File(path, "r") as file:
+        require_contained(file)
+        yield file
 
-    What goes wrong in the block is a `failure` that names the file: those that are raised there,
-    and all that h5py says of damage.
+
+@contextmanager
+def failures_named(
+    path: str | os.PathLike[str], failure: type[Exception], what: str = "HDF5 file"
+) -> Iterator[None]:
+    """A block that reads a regular file, `what` in messages.
+
+    What goes wrong in it is a `failure` that names the file: those that are raised there, and all
+    that h5py says of damage.
     """
     try:
         require_regular(path)
-        with h5py.File(path, "r") as file:
-            require_contained(file)
-            yield file
-    except failure as error:
+        yield
+    except (failure, FileError) as error:
         raise failure(f"{os.fspath(path)}: {error}") from error
     except FileNotFoundError as error:
         raise failure(f"{os.fspath(path)}: no such file") from error
-    except FileError as error:
-        raise failure(f"{os.fspath(path)}: {error}") from error
     except MemoryError as error:
         raise failure(f"{os.fspath(path)}: out of memory: {in_one_line(error)}") from error
     except DAMAGE_ERRORS as error:
         why = in_one_line(error)
-        raise failure(f"{os.fspath(path)}: not a readable HDF5 file: {why}") from error
+        raise failure(f"{os.fspath(path)}: not a readable {what}: {why}") from error
 
 
 def require_contained(file: h5py.File) -> None:

@@ -26,10 +26,15 @@ class OverwriteError(ValueError):
     """An output that would replace an input."""
 
 
-def require_no_input(output: Path, inputs: Iterable[Path]) -> None:
-    """`OverwriteError` if an output is one of the inputs, by another path or a link too."""
-    if found := clash([output], {path: f"the input {path}" for path in inputs}):
-        raise OverwriteError(f"{found}, which the output would replace")
+def require_no_input(
+    output: Path, inputs: Iterable[Path], role: str = "", what: str = "output"
+) -> None:
+    """`OverwriteError` if an output is one of the inputs, by another path or a link too.
+
+    role: what the inputs are, "the results file"; what: the output is, "film".
+    """
+    if found := clash([output], {path: role or f"the input {path}" for path in inputs}):
+        raise OverwriteError(f"{found}, which the {what} would replace")
 
 
 @contextmanager

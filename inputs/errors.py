@@ -1,5 +1,6 @@
 """The error of a file that users wrote, and values as errors quote them."""
 
+import difflib
 from collections.abc import Iterable
 from reprlib import Repr
 from typing import Any
@@ -33,6 +34,12 @@ def quoted(value: Any) -> str:
     """A value as errors quote it, in one line and not at length."""
     text = _Quotation().repr(value)
     return text if len(text) <= MAX_QUOTED_LENGTH else f"{text[: MAX_QUOTED_LENGTH - 3]}..."
+
+
+def did_you_mean(name: str, known: Iterable[str], n: int = 1, cutoff: float = 0.6) -> str:
+    """The end of a message about an unknown name: up to n known ones that are like it, if any."""
+    near = difflib.get_close_matches(name, list(known), n, cutoff)
+    return f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
 
 
 def dotted(keys: Iterable[str]) -> str:

@@ -14,6 +14,13 @@ from typing import Any
 SCHEMA_DRAFT = "http://json-schema.org/draft-07/schema#"
 # Descriptions are cut after the first sentence; abbreviations are not followed by a capital.
 SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z`])")
+# Errors and examples are for readers of Python, not for editors of files.
+DOCSTRING_SECTION = re.compile(r"\n\n\w+\n-{4,}\n")
+PARAMETERS_SECTION = re.compile(r"\n\nParameters\n-+\n(.*?)(?=\n\n\w+\n-{4,}\n|$)", re.DOTALL)
+# "velocity, rate : (3,) [m/s]", and the indented lines below it
+PARAMETER_ENTRY = re.compile(r"^(\w+(?:, \w+)*)(?: : (.*))?\n?((?:^ .*\n?|^\n)*)", re.MULTILINE)
+FIRST_WORD = re.compile("[A-Z][a-z]|A ")
+SHAPE_OR_UNIT = re.compile(r"\([^()]*,[^()]*\)|\[[^]]*\]")
 Schema = dict[str, Any]
 NO_SCHEMA: Mapping[str, Any] = {}
 
@@ -71,8 +78,27 @@ def describe(schema: Schema, documented: Iterable[type[Any]]) -> None:
     """Give the properties of a table descriptions, from the docstrings of classes."""
     properties = schema.get("properties", {})
     for kind in documented:
-        for key, words in words_of(inspect.getdoc(kind) or "", list(properties)).items():
-            properties[key].setdefault("description", words)
+        text = inspect.getdoc(kind) or ""
+        before = DOCSTRING_SECTION.split(text)[0]
+        said = words_of(before, list(properties)) | parameters_of(text)
+        for key, words in said.items():
+            if key in properties:
+                properties[key].setdefault("description", words)
+
+
+def parameters_of(text: str) -> dict[str, str]:
+    """What the section of parameters of a docstring says of each: name, shape, unit, a sentence."""
+    found: dict[str, str] = {}
+    section = PARAMETERS_SECTION.search(text)
+    for names, kind, lines in PARAMETER_ENTRY.findall(section[1] if section else ""):
+        head = " ".join([names, *SHAPE_OR_UNIT.findall(kind)])
+        sentence = SENTENCE_END.split(" ".join(lines.split()))[0]
+        if FIRST_WORD.match(sentence):  # not a symbol
+            sentence = sentence[0].lower() + sentence[1:]
+        if sentence or head != names:
+            words = f"{head}: {sentence}" if sentence else head
+            found |= dict.fromkeys(names.split(", "), words)
+    return found
 
 
 def words_of(text: str, names: list[str]) -> dict[str, str]:
@@ -123,6 +149,8 @@ def _plain(schema: Any) -> Any:
 def _inner(key: str, value: Any) -> Any:
     if key in ("default", "enum", "const", "required"):
         return value
+    if key == "description" and isinstance(value, str):
+        return DOCSTRING_SECTION.split(value)[0]
     if key in ("properties", "$defs"):
         return {name: _plain(schema) for name, schema in value.items()}
     return _plain(value)

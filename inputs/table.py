@@ -1,8 +1,7 @@
 """Tables of a TOML file as frozen models."""
 
-import difflib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
@@ -14,7 +13,7 @@ from pydantic import (
     model_validator,
 )
 
-from .errors import InputError, dotted, quoted
+from .errors import InputError, did_you_mean, dotted, quoted
 from .json_schema import describe
 from .text import parse_toml, read_text
 
@@ -71,6 +70,10 @@ class Table(_Model):
     documented: ClassVar[tuple[type[Any], ...]] = ()
     """the classes whose docstrings describe the keys, besides this one"""
 
+    def given(self, *keys: str) -> dict[str, Any]:
+        """Those of some keys that have a value, with it."""
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
+
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
         schema: dict[str, Any] = handler(core_schema)
@@ -83,11 +86,8 @@ class Table(_Model):
         known = {field.alias or name: name for name, field in cls.model_fields.items()}
         for key in data if isinstance(data, Mapping) else ():
             if key not in known and key not in cls.model_fields:
-                nearest = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-                hint = (
-                    f"did you mean {nearest[0]!r}?" if nearest else f"known are {', '.join(known)}"
-                )
-                raise ValueError(f"unknown key {quoted(key)}; {hint}")
+                meant = did_you_mean(key, known, cutoff=0.5) or f"; known are {', '.join(known)}"
+                raise ValueError(f"unknown key {quoted(key)}{meant}")
         return (
             {key: _frozen(value) for key, value in data.items()}
             if isinstance(data, Mapping)
@@ -98,16 +98,28 @@ class Table(_Model):
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def read_table(path: str | os.PathLike[str], kind: type[AnyTable]) -> tuple[AnyTable, str]:
+def rule(method: Callable[[AnyTable], None]) -> Any:
+    """A method that a table calls when it is made; ValueError for keys that break the rule."""
+
+    def checked(table: AnyTable) -> AnyTable:
+        method(table)
+        return table
+
+    return model_validator(mode="after")(checked)
+
+
+def read_table(
+    path: str | os.PathLike[str], kind: type[AnyTable], failure: type[Exception]
+) -> tuple[AnyTable, str]:
     """The table in a TOML file, and its text.
 
-    `InputError` names the file, the key, and the values found and expected.
+    A `failure` names the file, the key, and the values found and expected.
     """
-    text = read_text(path)
+    text = read_text(path, failure)
     try:
         return read_part(parse_toml(text), kind), text
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise failure(f"{path}: {error}") from error
 
 
 def read_part(value: Any, kind: type[AnyTable]) -> AnyTable:

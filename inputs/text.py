@@ -18,29 +18,31 @@ TOML_INTEGERS = range(-(1 << 63), 1 << 63)
 Keys = tuple[str, ...]
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
-    """The text of a regular file of at most `MOST_BYTES`, in UTF-8; `InputError` names the file."""
+def read_text(path: str | os.PathLike[str], failure: type[Exception] = InputError) -> str:
+    """The text of a regular file of at most `MOST_BYTES`, in UTF-8; a `failure` names the file."""
     path = Path(path)
     try:
         require_regular(path)
         if (size := path.stat().st_size) > MOST_BYTES:
-            raise InputError(f"{path}: expected at most {MOST_BYTES} bytes of text, found {size}")
+            raise failure(f"{path}: expected at most {MOST_BYTES} bytes of text, found {size}")
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a readable file: not UTF-8: {error}") from error
+        raise failure(f"{path}: not a readable file: not UTF-8: {error}") from error
     except OSError as error:
-        raise InputError(f"{path}: not a readable file: {error.strerror or error}") from error
+        raise failure(f"{path}: not a readable file: {error.strerror or error}") from error
     except FileError as error:
-        raise InputError(f"{path}: not a readable file: {error}") from error
+        raise failure(f"{path}: not a readable file: {error}") from error
 
 
-def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The document of a TOML file; `InputError` names the file."""
-    text = read_text(path)
+def read_toml(
+    path: str | os.PathLike[str], failure: type[Exception] = InputError
+) -> dict[str, Any]:
+    """The document of a TOML file; a `failure` names the file."""
+    text = read_text(path, failure)
     try:
         return parse_toml(text)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise failure(f"{path}: {error}") from error
 
 
 def parse_toml(text: str) -> dict[str, Any]:

@@ -26,7 +26,6 @@ from .responses.channels import channels_of, of_interfaces
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
 from .rotation.reduced import reduced_rotation
-from .solving.factor import factorizations
 from .sources.reading import read_source
 from .threads import blas_threads
 
@@ -37,7 +36,30 @@ STATED_PACKAGES = ("duhamel", "numpy", "scipy", "scikit-fem", "meshio", "rslab")
 def assemble(body: Body) -> Structure:
     """The finite element model of a body, from its mesh or matrix files.
 
-    `PreprocessError` if the body or its files do not allow it.
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    Structure
+        With the interfaces and masses of the body, in mesh axes and SI units.
+
+    Raises
+    ------
+    PreprocessError
+        Names what the body or its files do not allow.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> structure = assemble(beam.body(step=1e-4))
+    >>> structure.n_u, structure.n_c, round(structure.rigid.mass, 3)
+    (18, 6, 1.57)
     """
     return assemble_on(body, read_source(body))
 
@@ -47,17 +69,40 @@ def build(
 ) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
-    `progress` shows on the terminal what is being done and how far it is. on_warning:
-    called with each doubt about the mesh, the step and the band (plausibility.py); told is its
-    former name.
-    `PreprocessError` if the body, its mesh or its method do not allow it.
+    Parameters
+    ----------
+    body : Body
+    progress : bool
+        Whether to show on the terminal what is being done and how far it is.
+    on_warning : callable
+        Called with each doubt about the mesh, the step and the band, as text.
+    told : callable, optional
+        The former name of on_warning.
+
+    Returns
+    -------
+    Superelement
+
+    Raises
+    ------
+    PreprocessError
+        Names what the body, its mesh or its method do not allow.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> build(beam.body(step=1e-4))
+    <Superelement 'beam': 1.57 kg, at tip, 12 modes>
     """
     require_memory(body.impulse.steps, MIN_INTERFACE_DOFS * len(body.interfaces))
     with (
         memory_shortage_told(),
         refused_where_singular(),
         shown_stages(progress, told or on_warning) as stages,
-        factorizations() as stages.solvers,
     ):
         return _build(body, stages)
 
@@ -87,11 +132,10 @@ def _build(body: Body, stages: Stages) -> Superelement:
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
-        parts = lossy_parts(body, source, structure)
-    wide = structure.with_channels()
+        structure = replace(structure, lossy=lossy_parts(body, source, structure))
     with blas_threads(structure.n_u):
         with stages.stage("impulse"):
-            responses = impulse_responses(wide, body, stages, parts)
+            responses = impulse_responses(structure.with_channels(), body, stages)
             for doubt in doubts_of_responses(body, responses):
                 stages.warn(doubt)
         return superelement_of(body, source, structure, second, responses, stages)
@@ -158,7 +202,7 @@ def superelement_of(
             mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(stages.solvers),
+            versions=_versions(structure.solvers),
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),

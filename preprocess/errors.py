@@ -1,5 +1,11 @@
 """The errors of the preprocessor: one exception for each kind of failure."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..files import FileError, in_one_line, require_regular
+
 
 class PreprocessError(ValueError):
     """The base of all errors that keep a body from becoming a superelement."""
@@ -40,3 +46,29 @@ class MemoryShortageError(PreprocessError, MemoryError):
         super().__init__(message)
         self.needed = needed
         self.available = available
+
+
+@contextmanager
+def about(
+    path: Path,
+    failure: type[PreprocessError],
+    missing: str,
+    expected: str,
+    damage: tuple[type[Exception], ...],
+) -> Iterator[None]:
+    """Errors within are of one kind and name the file, which must be a regular one.
+
+    missing, expected: what is said of no file, and of one that raises a kind of damage.
+    """
+    try:
+        require_regular(path)
+        yield
+    except FileNotFoundError as error:
+        raise failure(f"{path}: no such {missing}") from error
+    except (failure, FileError) as error:
+        text = str(error)
+        raise failure(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
+    except PreprocessError:  # of another file, which it names
+        raise
+    except damage as error:
+        raise failure(f"{path}: {expected}: {in_one_line(error)}") from error

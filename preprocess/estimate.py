@@ -13,6 +13,7 @@ from ..superelement.validation import Array
 from .assembly.structure import Structure
 from .mesh.mesh import IntArray
 from .mesh.nodes import Nodes
+from .responses.lowest import independent_squares
 from .solving.factor import factorize
 from .threads import in_order
 
@@ -24,10 +25,6 @@ eigenproblem.
 """
 REDUCED_ROWS_AT_ONCE = 2**14
 MIN_GRID_EXTENT = 1e-3  # across a body without any, over the largest
-MIN_SPLINE_EIGENVALUE = 1e-9
-"""Eigenvalue of the scaled mass matrix of the fields below which a field is a combination of
-others.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +56,7 @@ def ritz_frequencies(structure: Structure, splines: int) -> Array:
     """
     V = _fields(structure.nodes, splines)
     K, M = _reduced(structure.K, V), _reduced(structure.M, V)
-    scale = 1.0 / np.sqrt(M.diagonal())
-    mass, vectors = np.linalg.eigh(M * np.outer(scale, scale))
-    independent = mass > MIN_SPLINE_EIGENVALUE
-    basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
-    squares: Array = np.linalg.eigvalsh(basis.T @ K @ basis)[6:]
-    return np.sqrt(squares) / (2.0 * np.pi)
+    return np.sqrt(independent_squares(K, M)[6:]) / (2.0 * np.pi)
 
 
 def _reduced(A: Any, V: Any) -> Array:
@@ -89,6 +81,7 @@ def _solved(structure: Structure, count: int) -> Array:
     first = ritz_frequencies(structure, 27)[:1]
     if not (len(first) and 0.0 < first[0] < np.inf):
         raise np.linalg.LinAlgError("no first frequency can be told from rounding")
+    # Positive definite although the body is free, and close to the modes looked for.
     s = 0.1 * (2.0 * np.pi * first[0]) ** 2
     solve = factorize(structure.K + s * structure.M, "the shifted stiffness")
     inverse = LinearOperator(structure.K.shape, matvec=solve, dtype=np.float64)
@@ -104,6 +97,7 @@ def _fields(nodes: Nodes, splines: int) -> Any:
     z.
     """
     lower, upper = nodes.points.min(axis=0), nodes.points.max(axis=0)
+    # A flat mesh of lines would make a grid without volume.
     margin = 0.5 * np.maximum(MIN_GRID_EXTENT * (upper - lower).max() - (upper - lower), 0.0)
     lower, upper = lower - margin, upper + margin
     scaled = (nodes.points - lower) / (upper - lower)

@@ -64,11 +64,9 @@ def corners_of(section: Section, size: float) -> Array:
     radii = np.clip(radii, low, high)
     if abs(section.EI_y - section.EI_z) <= MAX_ROUND_DIFFERENCE * max(section.EI_y, section.EI_z):
         angles = 2.0 * np.pi / ROUND_CORNERS * np.arange(ROUND_CORNERS)
-        around: Array = 2.0 * radii * np.column_stack([np.cos(angles), np.sin(angles)])
-        return around
+        return np.asarray(2.0 * radii * np.column_stack([np.cos(angles), np.sin(angles)]))
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-    corners: Array = np.sqrt(3.0) * radii * signs
-    return corners
+    return np.asarray(np.sqrt(3.0) * radii * signs)
 
 
 class _Rings:
@@ -116,6 +114,7 @@ def _side(first: IntArray, last: IntArray) -> IntArray:
 def _caps(rings: _Rings, tubes: IntArray) -> list[IntArray]:
     """Facets at the ends of the tubes (n, 2), but where one ends and another begins alone."""
     begins, ends = (np.bincount(side, minlength=tubes.max() + 1) for side in tubes.T)
+    # Where three beams meet, or two begin, each end is seen from outside.
     goes_on = (begins == 1) & (ends == 1)
     caps = []
     for first, last in tubes.tolist():

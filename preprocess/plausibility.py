@@ -45,7 +45,26 @@ def refused_where_singular() -> Iterator[None]:
 
 
 def doubts_of_body(body: Body) -> Iterator[str]:
-    """Doubts about materials, sections, damping and the rotation of matrices, each by its key."""
+    """Doubts about materials, sections, damping and the rotation of matrices, each by its key.
+
+    Parameters
+    ----------
+    body : Body
+
+    Yields
+    ------
+    str
+        The key, its value and what is unlike any part, with the unit that may be wrong.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e3, nu=0.3, rho=7.85e-9)
+    >>> cube = du.Part(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]), steel)
+    >>> cube.interface("tip", (1, 0, 0))
+    >>> [doubt.split()[0] for doubt in doubts_of_body(cube.body(step=1e-4))]
+    ['material.rho', 'material.E']
+    """
     if body.material is not None:
         yield from _of_material("material", body.material)
     for key, section in _sections(body):
@@ -154,6 +173,7 @@ def _of_material(key: str, material: Material) -> Iterator[str]:
     stiffest = float(np.max(material.E))
     if stiffest > MAX_YOUNGS_MODULUS:
         yield f"{key}.E = {stiffest:g} Pa is above that of diamond, 1.2e12: is it in other units?"
+    # The softest direction: stiff fibers alone are no sign of a wrong unit.
     E = float(np.min(material.E))
     yield from _of_sound(f"{key}.E = {E:g} Pa", float(np.sqrt(E / material.rho)))
 

@@ -16,12 +16,11 @@ def silent(warning: str) -> None:
 class Stages:
     """The stages of a build, timed; `work` is what is shown of them.
 
-    warn: called with what may be wrong; solvers: what solved, in its order.
+    warn: called with what may be wrong.
     """
 
     def __init__(self, work: Work | None = None, warn: Warn = silent) -> None:
         self.seconds: dict[str, float] = {}
-        self.solvers: list[str] = []
         self.warn = warn
         self._work = Work() if work is None else work
 

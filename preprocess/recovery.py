@@ -72,8 +72,7 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 
     def batch(part: slice) -> Array:
         rows = strains[6 * part.start : 6 * part.stop] @ structure.T
-        at_points: Array = C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1)
-        return at_points
+        return np.asarray(C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1))
 
     return _filled(points, batch)
 
@@ -81,6 +80,7 @@ def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Arra
 def _filled(points: FieldPoints, batch: Callable[[slice], Array]) -> Array:
     """Fields (p, k, m) of all points, POINTS_AT_ONCE points at a time."""
     n = len(points.nodes)
+    # The first batch tells how many modes there are, before all of the memory is taken.
     first = batch(slice(0, min(POINTS_AT_ONCE, n)))
     fields = np.empty((n, *first.shape[1:]))
     fields[:POINTS_AT_ONCE] = first

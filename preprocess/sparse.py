@@ -1,4 +1,4 @@
-"""Large symmetric sparse matrices, which are made from pieces of their rows."""
+"""Sparse matrices from rows with few columns, and large symmetric ones from pieces of rows."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -6,12 +6,22 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ..superelement.cells import IntArray
+from ..superelement.validation import Array
+
 LARGEST_INDEX = int(np.iinfo(np.int32).max)  # up to which indices take four bytes
 
 
 def index_type(largest: int) -> Any:
     """The type of indices up to a number: int32 where that suffices, or else int64."""
     return np.int32 if largest <= LARGEST_INDEX else np.int64
+
+
+def in_columns(rows: Array, columns: IntArray, n: int) -> Any:
+    """Dense rows (r, k) as sparse ones (r, n), whose entries are in some columns (k,)."""
+    of_row = np.repeat(np.arange(len(rows)), len(columns))
+    places = (of_row, np.tile(columns, len(rows)))
+    return sp.coo_array((rows.ravel(), places), shape=(len(rows), n)).tocsr()
 
 
 def stacked(pieces: Iterable[Any], n: int, most: int) -> Any:

@@ -194,6 +194,7 @@ def _cost(body: Body, structure: Structure) -> BuildCost | None:
     wide = structure.with_channels()
     shift, lower = shifts(wide, damping_of(body), band_of(body))
     accuracy = solution_accuracy(impulse.tolerance, fields=body.recovery is not None)
+    # Nearly all blocks are made with the low shift, where there is one.
     solutions = costs(wide, lower or shift, accuracy)
     factor, iterative = (
         krylov_cost(wide.n_u, wide.K.nnz, wide.P_C.shape[0], impulse.steps, each)

@@ -45,6 +45,7 @@ def in_order(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[
     with ThreadPoolExecutor(n) as pool:
         for item in items:
             waiting.append(pool.submit(work, item))
+            # One result ahead of the threads, so that none of them is idle while this is summed.
             if len(waiting) > n:
                 yield waiting.popleft().result()
         while waiting:

@@ -31,17 +31,43 @@ def static_check(element: Superelement, body: Body) -> Check:
 
     by a factorization of the stiffness with six dofs held, which no mode and no step of the
     superelement knows of, and with it that of some dofs of its surfaces. The limit is twice the
-    error that it states. Errors are those of `build`; `MemoryShortageError` where the factor does
-    not fit.
+    error that it states.
+
+    Parameters
+    ----------
+    element : Superelement
+    body : Body
+        That it was made of.
+
+    Returns
+    -------
+    Check
+        The largest difference, relative to the diagonal, beside its limit.
+
+    Raises
+    ------
+    PreprocessError
+        As `build`; `MemoryShortageError` where the factor does not fit.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> check = static_check(beam.superelement(step=1e-4), beam.body(step=1e-4))
+    >>> check.found <= check.limit
+    True
     """
+    columns = _checked_columns(element)
     with memory_shortage_told(), refused_where_singular(), one_blas_thread():
         structure = replace(assemble(body), channels=None)
-        columns = _checked_columns(element)
-        if structure.surfaces is not None and structure.surfaces.rows.shape[0] > columns.max(
-            initial=-1
-        ):
-            rows = structure.surfaces.rows[columns]
-            structure = replace(structure, P_C=sp.vstack([structure.P_C, rows], format="csr"))
+        surfaces = structure.surfaces
+        if surfaces is not None and surfaces.rows.shape[0] > columns.max(initial=-1):
+            rows = [structure.P_C, surfaces.rows[columns]]
+            structure = replace(structure, P_C=sp.vstack(rows, format="csr"))
+        # By its own factor: modes would only confirm themselves.
         H = compliance(structure)
     stored, scale = _stored(element, columns)
     if H.shape != stored.shape:
@@ -84,8 +110,28 @@ def _stored(element: Superelement, columns: IntArray) -> tuple[Array, Array]:
 
 
 def body_of(element: Superelement, folder: Path) -> Body | None:
-    """The body file that a superelement keeps, if the files that it names are in the folder, and
-    still those that it was made from; else None.
+    """The body file that a superelement keeps, with the files that it was made from.
+
+    Parameters
+    ----------
+    element : Superelement
+    folder : path
+        Where the files that the body names are looked for.
+
+    Returns
+    -------
+    Body or None
+        None where a file is missing, or no longer the one that the superelement was made from.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> body_of(beam.superelement(step=1e-4), Path()) is None  # its mesh was in memory
+    True
     """
     kept = element.provenance
     try:

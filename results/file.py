@@ -17,9 +17,8 @@ from typing import Any, NamedTuple, Self
 import h5py
 import numpy as np
 
-from ..files import in_one_line, require_regular
 from ..files.arrays import Array
-from ..files.hdf5 import DAMAGE_ERRORS, require_contained, texts
+from ..files.hdf5 import failures_named, require_contained, texts
 from ..files.outputs import in_words, replace_durably, resolved
 from .batches import Batch, EventRows
 from .contents import EARLIEST_VERSION, RESULTS_FORMAT, RESULTS_VERSION, Contents, SuperelementFile
@@ -141,20 +140,10 @@ class FileSource:
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:
-        try:
-            require_regular(self._path)
+        with failures_named(self._path, ResultsError):
             recover(resolved(self._path))
             with _opened(self._path, LOCK_WAIT) as file:
                 yield file
-        except ResultsError as error:
-            raise ResultsError(f"{self._path}: {error}") from error
-        except FileNotFoundError as error:
-            raise ResultsError(f"{self._path}: no such file") from error
-        except BlockingIOError as error:
-            raise ResultsError(f"{self._path}: cannot be read: {error}") from error
-        except DAMAGE_ERRORS as error:
-            why = in_one_line(error)
-            raise ResultsError(f"{self._path}: not a readable HDF5 file: {why}") from error
 
 
 def netcdf(source: Source) -> Any:
@@ -389,7 +378,7 @@ def _extend(file: h5py.File, name: str, rows: Array, first: int) -> None:
 
 
 def _opened(path: Path, patience: float) -> h5py.File:
-    """The file, as soon as nobody changes it; BlockingIOError after `patience` seconds."""
+    """The file, as soon as nobody changes it; `ResultsError` after `patience` seconds."""
     deadline = time.monotonic() + patience
     while True:
         try:
@@ -400,7 +389,7 @@ def _opened(path: Path, patience: float) -> h5py.File:
             if not held:
                 raise
             if time.monotonic() > deadline:
-                raise BlockingIOError(f"others have it open: {error}") from error
+                raise ResultsError(f"cannot be read: others have it open: {error}") from error
             time.sleep(0.005)
 
 
@@ -530,16 +519,13 @@ def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) 
         scales = {name: _put_strings(file, name, axis.names) for name, axis in axes.items()}
         scales["time"] = _create(file, contents.quantities[0], axes, rows)
         if _event_quantities(contents):
-            scales["event"] = _create(file, EVENT_NUMBER, axes, CHUNK_EVENTS)
+            scales["event"] = _create(file, EVENT_NUMBER, axes, rows)
         for name, scale in scales.items():
             scale.make_scale(name)
             if name != "time":
                 scale.attrs["long_name"] = DIMENSIONS[name].description
-        for quantity in contents.quantities[1:]:
+        for quantity in (*contents.quantities[1:], *_event_quantities(contents)[1:]):
             _attach(_create(file, quantity, axes, rows), quantity.dimensions, scales)
-            _put_units(file, quantity, axes, scales)
-        for quantity in _event_quantities(contents)[1:]:
-            _attach(_create(file, quantity, axes, CHUNK_EVENTS), quantity.dimensions, scales)
             _put_units(file, quantity, axes, scales)
         for name, values in _superelement_files(contents).items():
             _attach(_put_strings(file, name, values), ("flexible_body",), scales)
@@ -586,8 +572,10 @@ def _put_units(
 
 
 def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.Dataset:
-    """A variable without rows."""
+    """A variable without rows, of which there will be so many over time."""
     shape = quantity.shape(axes)
+    if quantity.dimensions[0] != "time":
+        rows = CHUNK_EVENTS
     dataset = file.create_dataset(
         quantity.name,
         shape=(0, *shape),

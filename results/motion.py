@@ -22,7 +22,16 @@ _energy = partial(quantity, "J", plot="")
 
 
 class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
-    """Motion of a center of mass and of body axes."""
+    """Motion of a center of mass and of body axes, as `Results.body` gives it.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> m.simulate(1.0, step=0.1).results.body("ball").velocity[-1].round(6).tolist()
+    [0.0, 0.0, -10.0]
+    """
 
     x: Array = vector("m", "center of mass, in space", name="position")
     """(n, 3) center of mass, in space [m]"""
@@ -51,11 +60,11 @@ class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
     axes [rad/s²]"""
     second_order_force: Array = quantity(
         ("N", "N"),
-        "force on each coordinate of second order, q over the root of the mass, a length",
+        "force on each second-order coordinate, which is scaled to a length, q / sqrt(mass)",
         of="second_order_coordinate",
     )
-    """(n, k) force on each coordinate of second order, q over the root of the mass, a length [N];
-    k = 0 where a body has none"""
+    """(n, k) force on each second-order coordinate, which is scaled to a length, q / sqrt(mass)
+    [N]; k = 0 where a body has none"""
 
     @property
     def position(self) -> Array:
@@ -89,7 +98,7 @@ class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
 
 
 class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
-    """Motion of a frame, and the wrench on its body there.
+    """Motion of a frame, and the wrench on its body there. See `JointMotion` for an example.
 
     `velocity`, `acceleration` and `force` have six columns: those of a body have three.
     """
@@ -136,14 +145,14 @@ class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
         ),
         vector(
             "N m",
-            "moment of the same about the origin of the frame, in space",
+            "moment of joints, springs and loads about the origin of the frame, in space",
             name="moment",
             plot="frame_moment",
             in_vtk=True,
         ),
     )
-    """(n, 6) force of joints, springs and loads on the body, in space [N]; moment of the same about
-    the origin of the frame, in space [N m]"""
+    """(n, 6) force of joints, springs and loads on the body, in space [N]; moment of joints,
+    springs and loads about the origin of the frame, in space [N m]"""
 
     @property
     def linear_velocity(self) -> Array:
@@ -182,12 +191,15 @@ class FrameMotion(Recorded, group="frames", owner="frame", plot="{}"):
 
     @property
     def applied_moment(self) -> Array:
-        """(n, 3) moment of the same about the origin of the frame, in space [N m]"""
+        """(n, 3) moment of the same loads about the origin of the frame, in space [N m]"""
         return self.force[:, 3:]
 
 
 class Coupling(Recorded):
-    """Loads and coordinates of a joint, a prescribed motion or a spring."""
+    """Loads and coordinates of a joint, a prescribed motion or a spring.
+
+    See `JointMotion` for an example.
+    """
 
     multipliers: Array
     force: Array
@@ -209,7 +221,23 @@ class Coupling(Recorded):
 
 
 class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
-    """Loads and coordinates of a joint or a prescribed motion; `coordinates` lists the latter."""
+    """Loads and coordinates of a joint or a prescribed motion; `coordinates` lists the latter.
+
+    Examples
+    --------
+    A pendulum at rest hangs from its pin:
+
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> bob = m.add(du.RigidBody(2.0, [0.1, 0.1, 0.1], {"pin": [0.0, 0.0, 0.5]}), name="bob")
+    >>> hinge = m.add(du.joints.Revolute(m.ground, bob["pin"], axis="y", name="hinge"))
+    >>> results = m.simulate(0.1, step=0.01).results
+    >>> joint, pin = results.joint("hinge"), results.frame("bob.pin")
+    >>> round(float(joint.angle[-1]), 6), joint.force[-1].round(6).tolist()
+    (0.0, [0.0, 0.0, 20.0])
+    >>> pin.applied_force[-1].round(6).tolist(), pin.position[-1].round(6).tolist()
+    ([0.0, 0.0, 20.0], [0.0, 0.0, 0.5])
+    """
 
     force: Array = vector(
         "N",
@@ -234,7 +262,7 @@ class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
     _of_coordinates: dict[str, Array] = joined(
         quantity(
             ("m", "rad"),
-            "value of each coordinate; angles go on over full turns",
+            "value of each coordinate; angles continue beyond full turns",
             name="position",
             of="joint_coordinate",
             attribute="{}",
@@ -248,7 +276,7 @@ class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
         ),
         quantity(
             ("N", "N m"),
-            "friction, on the coordinate",
+            "force or moment of friction on the coordinate",
             name="friction",
             of="joint_with_friction",
             attribute="{}",
@@ -268,7 +296,10 @@ class JointMotion(Coupling, group="joints", owner="joint", plot="{}"):
 
 
 class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
-    """Loads of a spring; `coordinates["coordinates"]` (n, rows) has its lengths and angles."""
+    """Loads of a spring; `coordinates["coordinates"]` (n, rows) has its lengths and angles.
+
+    See `JointMotion` for an example of the attributes that both have.
+    """
 
     force: Array = vector("N", "force on the second body, in space", source="coupling_force")
     """(n, 3) force on the second body, in space [N]"""
@@ -293,24 +324,28 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
 
 
 class CouplerMotion(Recorded, group="couplers", owner="coupler"):
-    """What a coupler does between joint coordinates."""
+    """What a coupler does between joint coordinates, as `Results.coupler` gives it.
+
+    See `MotorMotion` for an example of a quantity over time.
+    """
 
     force: Array = quantity(
         ("N", "N m"),
-        "on the first coordinate; on each other one times its ratio over the first",
+        "force or moment on the first coordinate; on another one multiplied by ratio / first ratio",
         source="multiplier",
         words=("force", "moment"),
         section="Forces",
     )
-    """(n,) on the first coordinate; on each other one times its ratio over the first [N, N m]"""
+    """(n,) force or moment on the first coordinate; on another one multiplied by ratio / first
+    ratio [N, N m]"""
 
 
 class Events(Recorded, group="events", rows="event"):
     """Each time that a contact or stop was closed (m,), in order, counted at every step.
 
-    A contact that was still closed at the end of the run is the last, with its end there and no
-    numbers for opening speed and restitution: `still_closed`. One that was closed from the start
-    has a closing speed of 0.
+    A contact that was still closed at the end of the run is the last: its end is there, and opening
+    speed and restitution are NaN (`still_closed`). One that was closed from the start has a closing
+    speed of 0. See `ContactMotion` for an example.
     """
 
     start: Array = quantity("s", "time when it closed")
@@ -327,14 +362,12 @@ class Events(Recorded, group="events", rows="event"):
         ("m s-1", "rad s-1"), "speed of approach; 0: closed from the start"
     )
     """(m,) speed of approach; 0: closed from the start [m/s, rad/s]"""
-    opening_speed: Array = quantity(
-        ("m s-1", "rad s-1"), "speed of departure; no number: still closed"
-    )
-    """(m,) speed of departure; no number: still closed [m/s, rad/s]"""
+    opening_speed: Array = quantity(("m s-1", "rad s-1"), "speed of departure; NaN: still closed")
+    """(m,) speed of departure; NaN: still closed [m/s, rad/s]"""
     restitution: Array = quantity("1", "opening speed over closing speed")
     """(m,) opening speed over closing speed, 0 where that is 0"""
-    dissipated: Array = quantity("J", "energy that it took, friction included")
-    """(m,) energy that it took, friction included [J]"""
+    dissipated: Array = quantity("J", "dissipated energy, friction included")
+    """(m,) dissipated energy, friction included [J]"""
 
     @classmethod
     def by_owner(cls, rows: EventRows, names: Sequence[str]) -> "dict[str, Events]":
@@ -379,12 +412,34 @@ class Events(Recorded, group="events", rows="event"):
 
 
 class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
-    """What happens between the ball and the shape of a contact."""
+    """What happens between the ball and the shape of a contact.
+
+    Examples
+    --------
+    A ball that falls 0.05 m, onto a floor without losses:
+
+    >>> from duhamel import solver
+    >>> floor = solver.Contact(
+    ...     "floor", ["ground.floor", "ball"], "plane", ball=0.05, axis=[0.0, 0.0, 1.0],
+    ...     impact=solver.Impact(stiffness=1e5),
+    ... )
+    >>> start = solver.Start(position=(0.0, 0.0, 0.1))
+    >>> results = solver.simulate(solver.Model(
+    ...     {"ball": solver.RigidBody(1.0, [0.1, 0.1, 0.1], start=start)}, contacts=[floor],
+    ...     ground_frames={"floor": solver.Frame()}, gravity=(0.0, 0.0, -10.0),
+    ...     settings=solver.Settings(t_end=0.15, step=1e-4),
+    ... ))
+    >>> contact = results.contact("floor")
+    >>> contact.events.impacts, contact.events.closing_speed.round(2).tolist()
+    (1, [1.0])
+    >>> bool(contact.gap.min() < 0.0)
+    True
+    """
 
     events: Events
     """each time that it was closed, counted at every step"""
-    gap: Array = quantity("m", "gap, negative where it is closed", source="gap", section="Contacts")
-    """(n,) gap, negative where it is closed [m]"""
+    gap: Array = quantity("m", "gap, negative while closed", source="gap", section="Contacts")
+    """(n,) gap, negative while closed [m]"""
     force: Array = quantity(
         "N", "force on the second body, along normal and tangents", "contact_axis", plot=""
     )
@@ -398,9 +453,9 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
     )
     """(n, 3) point of the ball nearest to the shape, in space [m]"""
     slip: Array = quantity(
-        "m s-1", "rates of slip of the second body, 0 where it is open", "tangent_axis"
+        "m s-1", "slip velocity of the second body, 0 while open", "tangent_axis"
     )
-    """(n, 2) rates of slip of the second body, 0 where it is open [m/s], along t1 and t2"""
+    """(n, 2) slip velocity of the second body, 0 while open [m/s], along t1 and t2"""
     state: Array = quantity(
         "1",
         "0 open, 1 closed or sticks, 2 slips",
@@ -495,7 +550,10 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
 
 
 class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
-    """What happens at a stop of a joint coordinate."""
+    """What happens at a stop of a joint coordinate.
+
+    See `ContactMotion` for an example of its events.
+    """
 
     events: Events
     """each time that it was closed, counted at every step"""
@@ -523,22 +581,26 @@ class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
 
 
 class PatternMotion(Recorded, group="patterns", owner="pattern"):
-    """A load pattern of a body over time."""
+    """A load pattern of a body over time, as `Results.pattern` gives it.
+
+    See `MotorMotion` for an example of a quantity over time.
+    """
 
     load: Array = quantity("1", "amplitude of each load pattern", words="amplitude of the load")
     """(n,) amplitude of each load pattern"""
     displacement: Array = quantity(
         "J",
-        "elastic displacement that the amplitude 1 does work on",
+        "work of the pattern with amplitude 1 on the elastic displacement",
         words="elastic displacement under the load",
     )
-    """(n,) elastic displacement that the amplitude 1 does work on [J], int t . u dA"""
+    """(n,) work of the pattern with amplitude 1 on the elastic displacement [J], int t . u dA"""
 
 
 class SensorMotion(Recorded, group="sensors", owner="sensor"):
     """What a sensor reads: of a point (n, 3), of a strain gauge (n, 1), stresses (n, 6).
 
-    In body axes; stresses in the order xx, yy, zz, yz, xz, xy.
+    In body axes; stresses in the order xx, yy, zz, yz, xz, xy. See `MotorMotion` for an example of
+    a quantity over time.
     """
 
     value: Array = quantity(
@@ -547,19 +609,33 @@ class SensorMotion(Recorded, group="sensors", owner="sensor"):
         of="sensor_channel",
     )
     """(n, k) elastic displacement, strain or stress, in body axes [m, 1, Pa]"""
-    rate: Array = quantity(("m s-1", "s-1", "Pa s-1"), "rate of the same", of="sensor_channel")
-    """(n, k) rate of the same [m/s, 1/s, Pa/s]"""
+    rate: Array = quantity(("m s-1", "s-1", "Pa s-1"), "rate of the value", of="sensor_channel")
+    """(n, k) rate of the value [m/s, 1/s, Pa/s]"""
     acceleration: Array = quantity(
         ("m s-2", "s-2", "Pa s-2"),
-        "acceleration in space of a point, in body axes; second derivative of strain or stress",
+        "acceleration of a point in space, in body axes; second derivative of strain or stress",
         of="sensor_channel",
     )
-    """(n, k) acceleration in space of a point, in body axes; second derivative of strain or stress
+    """(n, k) acceleration of a point in space, in body axes; second derivative of strain or stress
     [m/s², 1/s², Pa/s²]. An accelerometer reads that of a point, without gravity."""
 
 
 class MotorMotion(Recorded, group="motors", owner="motor"):
-    """What a motor does."""
+    """What a motor does.
+
+    Examples
+    --------
+    A constant torque on a disk of 0.2 kg m^2:
+
+    >>> import duhamel as du
+    >>> m = du.Mechanism()
+    >>> disk = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.2]), name="disk")
+    >>> shaft = m.add(du.joints.Revolute(m.ground, disk, axis="z", name="shaft"))
+    >>> drive = m.add(du.motors.drive(shaft, "angle", du.signals.Constant(4.0), name="motor"))
+    >>> motor = m.simulate(1.0, step=0.1).results.motor("motor")
+    >>> round(float(motor.power[-1]), 6), round(float(motor.work[-1]), 6)
+    (80.0, 40.0)
+    """
 
     torque: Array = quantity(
         ("N", "N m"),
@@ -568,14 +644,12 @@ class MotorMotion(Recorded, group="motors", owner="motor"):
         section="Motors",
     )
     """(n,) force or torque on the coordinate [N, N m]"""
-    reference: Array = quantity(("m", "rad"), "reference, 0 where no position is followed")
-    """(n,) reference, 0 where no position is followed [m, rad]"""
-    error: Array = quantity(
-        ("m", "rad"), "reference less coordinate, 0 where no position is followed"
-    )
-    """(n,) reference less coordinate, 0 where no position is followed [m, rad]"""
-    power: Array = quantity("W", "power that it gives", section="Motors")
-    """(n,) power that it gives [W]"""
+    reference: Array = quantity(("m", "rad"), "reference; 0 without position control")
+    """(n,) reference; 0 without position control [m, rad]"""
+    error: Array = quantity(("m", "rad"), "reference minus coordinate; 0 without position control")
+    """(n,) reference minus coordinate; 0 without position control [m, rad]"""
+    power: Array = quantity("W", "power of the motor", section="Motors")
+    """(n,) power of the motor [W]"""
     work: Array = quantity("J", "work since t = 0")
     """(n,) work since t = 0 [J]"""
     state: Array = quantity(
@@ -587,12 +661,30 @@ class MotorMotion(Recorded, group="motors", owner="motor"):
     """(n,) -1 at the lower limit, 1 at the upper one, 0 between them"""
 
 
+# In the order in which reports have them.
+BALANCED_ENERGIES = (
+    *("kinetic", "elastic", "springs", "potential"),
+    *("work", "dissipated", "numerical"),
+)
+
+
 class Energy(Recorded, group="energy"):
     """Energies over time (n,) [J].
 
-    `elastic` of a body whose kernel is convolved is the work of its interface loads, with what
-    damping and time stepping have taken of it. Where it falls below zero, or `numerical` does, the
+    `elastic` of a body whose kernel is convolved is the work of its interface loads, minus what
+    damping and time stepping have dissipated. Where it falls below zero, or `numerical` does, the
     convolution has created energy. `plot` has each as "energy:NAME".
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> round(float(results.energy.kinetic[-1]), 6), bool(abs(results.energy.balance[-1]) < 1e-9)
+    (50.0, True)
+    >>> results.momentum.linear[-1].round(6).tolist(), int(results.iterations.max())
+    ([0.0, 0.0, -10.0], 1)
     """
 
     kinetic: Array = _energy("kinetic energy of the rigid motions", name="kinetic_energy")
@@ -616,28 +708,37 @@ class Energy(Recorded, group="energy"):
     )
     """(n,) work of loads, drives and motors since t = 0 [J]"""
     dissipated: Array = _energy(
-        "energy taken by dampers and modal damping since t = 0",
+        "energy dissipated by dampers and modal damping since t = 0",
         name="dissipated_energy",
         derive=dissipated,
     )
-    """(n,) energy taken by dampers and modal damping since t = 0 [J], by contacts and friction
+    """(n,) energy dissipated by dampers and modal damping since t = 0 [J], by contacts and friction
     too"""
     numerical: Array = _energy(
-        "energy that time stepping took from the modes since t = 0",
+        "energy dissipated by time stepping (numerical damping) since t = 0",
         name="numerical_dissipation",
         derive=numerical,
     )
-    """(n,) energy that time stepping took from the modes since t = 0 [J]"""
+    """(n,) energy dissipated by time stepping (numerical damping) since t = 0 [J]"""
     balance: Array = _energy(
-        "change of all energies since t = 0, and both dissipations, less external work",
+        "change of all energies since t = 0 plus both dissipations minus external work",
         name="energy_balance",
         derive=balance,
     )
-    """(n,) change of all energies since t = 0, and both dissipations, less external work [J]"""
+    """(n,) change of all energies since t = 0 plus both dissipations minus external work [J]"""
+
+    def imbalance(self) -> tuple[float, float]:
+        """The largest balance [J], and over the largest energy that moved (0 where none did)."""
+        largest = float(np.abs(self.balance).max())
+        moved = [np.abs(getattr(self, name)).max() for name in BALANCED_ENERGIES]
+        # The level of potential energy is arbitrary: its change is what moved.
+        moved[BALANCED_ENERGIES.index("potential")] = np.ptp(self.potential)
+        scale = float(max(moved))
+        return largest, largest / scale if scale > 0.0 else 0.0
 
 
 class Momentum(Recorded, group="momentum"):
-    """Momenta of all bodies over time."""
+    """Momenta of all bodies over time. See `Energy` for an example."""
 
     linear: Array = vector(
         "kg m s-1", "momentum of all bodies, in space", name="linear_momentum", words="momentum"
@@ -650,7 +751,7 @@ class Momentum(Recorded, group="momentum"):
 
 
 class Solution(Recorded, group="solver"):
-    """How the equations of the steps were solved."""
+    """How the equations of the steps were solved. See `Energy` for an example."""
 
     iterations: Array = quantity(
         "1",
@@ -692,7 +793,13 @@ SHARED_DIMENSIONS = {
 
 
 def output_fields() -> dict[str, tuple[tuple[str, ...], bool]]:
-    """The arrays that the time loop fills: dimensions, and True for integers, by name."""
+    """The arrays that the time loop fills: dimensions, and True for integers, by name.
+
+    Examples
+    --------
+    >>> output_fields()["body_position"]
+    (('time', 'body', 'axis'), False)
+    """
     fields = {
         quantity.source: (
             tuple(SHARED_DIMENSIONS.get(dimension, dimension) for dimension in quantity.dimensions),

@@ -9,6 +9,7 @@ record gives it (motion.py); a few kinds more are computed here.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,7 +32,13 @@ BODY_OR_FRAME = "BODY|FRAME"
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its function of results and names, its unit, and how it is named."""
+    """A kind of quantity: its function of results and names, its unit, and how it is named.
+
+    Examples
+    --------
+    >>> KINDS_BY_NAME["energy"].units, KINDS_BY_NAME["angle"].axes
+    (('J',), ('x', 'y', 'z'))
+    """
 
     values: Callable[..., Array]
     units: tuple[str, ...]
@@ -69,9 +76,20 @@ class Kind:
 def angle(results: Results, name: str) -> Array:
     """Angles by which a body or frame has turned since t = 0 about the axes of space [rad].
 
-    They are continued over full turns, by the angular velocity, where one row is followed by the
-    next after several. Each column is the twist about its axis (`twists`): for a body that turns
+    They are continued beyond full turns by the angular velocity, also where a row is several turns
+    after the one before. Each column is the twist about its axis (`twists`): for a body that turns
     about one axis, its angle.
+
+    Parameters
+    ----------
+    results : Results
+    name : str
+        Of a body or frame.
+
+    Returns
+    -------
+    (n, 3) [rad]
+        See `evaluate` for an example.
     """
     motion = _moving(results, name)
     q, omega = motion.rotation, motion.angular_velocity
@@ -81,22 +99,39 @@ def angle(results: Results, name: str) -> Array:
 
 
 def angular_velocity(results: Results, name: str) -> Array:
-    """Angular velocity R omega of a body, or that of a frame [rad/s]."""
+    """Angular velocity (n, 3) of a body or frame, in space [rad/s].
+
+    See `evaluate` for an example.
+    """
     return _moving(results, name).angular_velocity
 
 
 def angular_acceleration(results: Results, name: str) -> Array:
-    """Angular acceleration d/dt (R omega) = R omega_dot of a body, or of a frame [rad/s^2]."""
+    """Angular acceleration (n, 3) of a body or frame, in space [rad/s^2].
+
+    See `evaluate` for an example.
+    """
     return _moving(results, name).angular_acceleration
 
 
 def displacement(results: Results, name: str, seen_from: str) -> Array:
-    """The displacement of a body or frame in the axes D of another, since t = 0 [m].
+    """The displacement of a body or frame in the axes D of another, since t = 0.
 
         u(t) = s(t) - s(0),    s = D^T (r - r_reference)
 
     With the tip of a beam seen from the frame of the hub that carries it, this is the tip
     deflection, eq. (96).
+
+    Parameters
+    ----------
+    results : Results
+    name, seen_from : str
+        Of bodies or frames.
+
+    Returns
+    -------
+    (n, 3) [m]
+        See `evaluate` for an example.
     """
     seen, reference = _moving(results, name), _moving(results, seen_from)
     apart = seen.position - reference.position
@@ -106,13 +141,24 @@ def displacement(results: Results, name: str, seen_from: str) -> Array:
 
 
 def coordinate(results: Results, joint: str, name: str) -> Array:
-    """A coordinate of a joint or its rate, as `angle` or `distance_rate` (n,)."""
+    """A coordinate of a joint or its rate (n,), as `angle` or `distance_rate`.
+
+    Parameters
+    ----------
+    results : Results
+    joint, name : str
+
+    Returns
+    -------
+    (n,) [rad, m, rad/s, m/s]
+        See `evaluate` for an example.
+    """
     _coordinate(results, joint, name)
     return results.joint(joint).coordinates[name]
 
 
 def energy(results: Results, name: str) -> Array:
-    """An energy over time, as "kinetic" (n,) [J]."""
+    """An energy over time (n,) [J], as "kinetic". See `evaluate` for an example."""
     values: Array = getattr(results.energy, _known("energy", name, sorted(results.energies)))
     return values
 
@@ -234,10 +280,13 @@ KINDS_BY_NAME = _of_records() | {
         displacement,
         ("m",),
         (BODY_OR_FRAME, BODY_OR_FRAME),
-        "of the first, in the axes of the second, since t = 0",
+        "displacement of the first since t = 0, in the axes of the second",
     ),
     "angle": Kind(
-        angle, ("rad",), (BODY_OR_FRAME,), "turned since t = 0 about x, y, z, beyond full turns too"
+        angle,
+        ("rad",),
+        (BODY_OR_FRAME,),
+        "rotation since t = 0 about x, y, z; continues beyond full turns",
     ),
     "angular_velocity": Kind(
         angular_velocity, ("rad/s",), (BODY_OR_FRAME,), "angular velocity, in space"
@@ -259,7 +308,7 @@ KINDS_BY_NAME = _of_records() | {
         ("contact_force", "stop_force", "surface_contact_normal_force"),
         lambda force: force if force.ndim == 1 else force[:, 0],
         axes=(),
-        description="along the normal on the second body, or on the coordinate; of surfaces the "
+        description="normal force on the second body, or force on the coordinate; of surfaces the "
         "sum of all rows",
         words=("normal force", "moment"),
         in_peaks=True,
@@ -269,14 +318,14 @@ KINDS_BY_NAME = _of_records() | {
         ("contact_force",),
         lambda force: force[:, 1:],
         axes=TANGENTS,
-        description="of the second body along t1, t2",
+        description="friction force on the second body along t1, t2",
         words=("friction force",),
     ),
-    "strain": _of_sensor("strain", "1", "of a gauge", in_peaks=True, section="Sensors"),
+    "strain": _of_sensor("strain", "1", "strain of a gauge", in_peaks=True, section="Sensors"),
     "stress": _of_sensor(
         "stress",
         "Pa",
-        "`xx` to `xy` of a sensor of stresses, in body axes",
+        "stress, `xx` to `xy`, in body axes",
         along="",
         in_peaks=True,
         section="Sensors",
@@ -319,7 +368,10 @@ angular_momentum = KINDS_BY_NAME["angular_momentum"].values
 
 
 class Evaluated(NamedTuple):
-    """A quantity over time: values (n, axes), or (n,) of a scalar or of one axis."""
+    """A quantity over time: values (n, axes), or (n,) of a scalar or of one axis.
+
+    See `evaluate` for an example.
+    """
 
     kind: str
     names: tuple[str, ...]
@@ -330,12 +382,54 @@ class Evaluated(NamedTuple):
     """what its whole numbers mean"""
 
 
+def _meant(kind: str) -> str:
+    """The quantities that a name which is none may stand for, as a question."""
+    begun = [known for known in KINDS_BY_NAME if kind and known.startswith(kind)]
+    near = begun or get_close_matches(kind, KINDS_BY_NAME, cutoff=0.75)
+    return f"did you mean {' or '.join(map(repr, near[:3]))}? " if near else ""
+
+
 def evaluate(results: Results, quantity: str) -> Evaluated:
-    """A quantity by name; QuantityError names it and lists what there is."""
+    """A quantity by the name that `plot` and studies take, KIND:NAME[:NAME][:AXIS].
+
+    Parameters
+    ----------
+    results : Results
+    quantity : str
+
+    Returns
+    -------
+    Evaluated
+
+    Raises
+    ------
+    QuantityError
+        Names the quantity, and lists what the results have.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> speed = evaluate(results, "velocity:ball:z")
+    >>> round(float(speed.values[-1]), 6), speed.unit
+    (-10.0, 'm/s')
+    >>> evaluate(results, "energy:kinetic").values.shape
+    (11,)
+    >>> evaluate(results, "angle:ball").values.shape
+    (11, 3)
+    """
     kind_name, *names = quantity.split(":")
+    if kind_name == "von_mises":
+        raise QuantityError(
+            f"{quantity}: a field on the surface of a body, not one number over time: "
+            f"`duhamel peaks RESULTS.h5 von_mises:BODY` tells its largest value, and "
+            f"`duhamel plot RESULTS.h5 --field von_mises:BODY` draws it"
+        )
     if kind_name not in KINDS_BY_NAME:
         raise QuantityError(
-            f"{quantity}: no quantity {kind_name!r}; there are: "
+            f"{quantity}: no quantity {kind_name!r}; {_meant(kind_name)}there are: "
             f"{', '.join(map(usage, KINDS_BY_NAME))}"
         )
     kind = KINDS_BY_NAME[kind_name]
@@ -354,19 +448,37 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
 
 
 def words(kind_name: str, unit: str) -> str:
-    """The name of a kind in a legend, of a quantity that has this unit."""
+    """The name of a kind in a legend, of a quantity that has this unit.
+
+    Examples
+    --------
+    >>> words("normal_force", "N"), words("normal_force", "N m")
+    ('normal force', 'moment')
+    """
     given = KINDS_BY_NAME[kind_name].words or (kind_name.replace("_", " "),)
     return given["N m" in unit and len(given) > 1]
 
 
 def usage(kind_name: str) -> str:
-    """The form of a quantity of this kind, as in "force:JOINT|SPRING[:x|y|z]"."""
+    """The form of a quantity of this kind.
+
+    Examples
+    --------
+    >>> usage("displacement")
+    'displacement:BODY|FRAME:BODY|FRAME[:x|y|z]'
+    """
     kind = KINDS_BY_NAME[kind_name]
     return ":".join([kind_name, *kind.names]) + (f"[:{'|'.join(kind.axes)}]" if kind.axes else "")
 
 
 def table() -> str:
-    """The kinds as a table in Markdown, for the documentation."""
+    """The kinds as a table in Markdown, for the documentation.
+
+    Examples
+    --------
+    >>> table().splitlines()[0]
+    '| written | unit | what |'
+    """
     lines = ["| written | unit | what |", "|---|---|---|"]
     for name, kind in KINDS_BY_NAME.items():
         roles = [role.split("|") for role in kind.names]
@@ -397,7 +509,16 @@ def _divided(results: Results, kind: Kind, parts: list[str]) -> tuple[list[str],
 
 
 def names_in_role(results: Results, role: str) -> tuple[str, ...]:
-    """The names of all that has a role, as BODY or COORDINATE."""
+    """The names of everything that has a role, as BODY or COORDINATE.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> m = du.Mechanism()
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> names_in_role(m.simulate(0.1, step=0.1).results, "BODY")
+    ('ball',)
+    """
     if role == "COORDINATE":
         every = [name for joint in results.joints for name in _coordinates(results, joint)]
         return tuple(dict.fromkeys(every))

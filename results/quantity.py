@@ -3,7 +3,7 @@
 All that is known of a quantity stands in one `Quantity`, in the class of its owner (motion.py):
 
     class MotorMotion(Recorded, group="motors", owner="motor"):
-        power: Array = quantity("W", "power that it gives")
+        power: Array = quantity("W", "power of the motor")
 
 The arrays of the time loop, the file, the attribute `results.motor(name).power`, the names and
 legends of `plot`, the report, exports and the tables of the documentation follow from it.

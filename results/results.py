@@ -492,7 +492,8 @@ class Results:
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
                 f"body {body!r}: superelement {element.name!r} holds no recovery: add "
-                f"a table [recovery] to its body file and preprocess it again"
+                f"a table [recovery] to its body file and preprocess it again; in Python "
+                "part.recover(), before part.superelement(...)"
             )
         self._check_recoverable(body, element)
         return element, element.recovery, element.modes

@@ -169,28 +169,25 @@ def _cfc(time: Array, values: Array, given: Given) -> Applied:
     return found.time, found.values
 
 
-def _butterworth(kind: str, *keys: str) -> Callable[[Array, Array, Given], Applied]:
+def _filter(kind: str, words: str, *corners: str) -> Transform:
+    """A Butterworth filter whose corners have these keys."""
+
     def apply(time: Array, values: Array, given: Given) -> Applied:
-        corners = tuple(float(given[key]) for key in keys)
-        found = butterworth(time, values, kind, corners, _whole(given, "order", 4))
+        at = tuple(float(given[key]) for key in corners)
+        found = butterworth(time, values, kind, at, _whole(given, "order", 4))
         return found.time, found.values
 
-    return apply
+    def told(given: Given) -> str:
+        return f"{words} {' to '.join(f'{given[key]:g}' for key in corners)} Hz"
+
+    return Transform(apply, _same, told, TIME, (*corners, "order"), len(corners))
 
 
-def _butterworth_told(words: str, *keys: str) -> Callable[[Given], str]:
-    return lambda given: f"{words} {' to '.join(f'{given[key]:g}' for key in keys)} Hz"
+def _spectrum(function: Callable[..., Spectrum]) -> Callable[[Array, Array, Given], Applied]:
+    """A spectrum above 0 Hz, which a logarithmic axis does not have."""
 
-
-def _fourier(time: Array, values: Array, given: Given) -> Applied:
-    found = fourier(time, values, scale=str(given["scale"]), window=str(given["window"]))
-    return found.frequency[1:], found.values[1:]
-
-
-def _by_welch(function: Callable[..., Spectrum]) -> Callable[[Array, Array, Given], Applied]:
     def apply(time: Array, values: Array, given: Given) -> Applied:
-        resolution = float(given["resolution"]) if "resolution" in given else None
-        found = function(time, values, resolution=resolution, window=str(given["window"]))
+        found = function(time, values, **given)
         return found.frequency[1:], found.values[1:]
 
     return apply
@@ -206,16 +203,11 @@ def _octaves_told(given: Given) -> str:
     return "octave bands" if fraction == 1 else f"1/{fraction} octave bands"
 
 
-def _windowed(words: str) -> Callable[[Given], str]:
+def _windowed(words: str, usual: str) -> Callable[[Given], str]:
     """The words, with the window unless it is the usual one."""
-
-    def told(given: Given) -> str:
-        return words if given["window"] == _USUAL_WINDOWS[words] else f"{words}, {given['window']}"
-
-    return told
+    return lambda given: words if given["window"] == usual else f"{words}, {given['window']}"
 
 
-_USUAL_WINDOWS = {"Fourier spectrum": "rectangular", "power spectral density": "hann"}
 _WELCH_WINDOWS = ("hann", *(name for name in WINDOW_NAMES if name != "hann"))
 
 TRANSFORMS = {
@@ -230,9 +222,9 @@ TRANSFORMS = {
         paper=_srs_paper,
     ),
     "fourier": Transform(
-        _fourier,
+        _spectrum(fourier),
         lambda unit, given: f"{unit} s" if given["scale"] == "transient" else unit,
-        _windowed("Fourier spectrum"),
+        _windowed("Fourier spectrum", "rectangular"),
         FREQUENCY,
         words={"scale": SPECTRUM_SCALES, "window": WINDOW_NAMES},
         ordinate=lambda given: {"amplitude": "peak amplitude", "rms": "RMS amplitude"}.get(
@@ -241,16 +233,16 @@ TRANSFORMS = {
         paper=lambda given: "log",
     ),
     "psd": Transform(
-        _by_welch(psd),
+        _spectrum(psd),
         lambda unit, given: f"({unit})²/Hz",
-        _windowed("power spectral density"),
+        _windowed("power spectral density", "hann"),
         FREQUENCY,
         numbers=("resolution",),
         words={"window": _WELCH_WINDOWS},
         paper=lambda given: "log",
     ),
     "cumulative_rms": Transform(
-        _by_welch(cumulative_rms),
+        _spectrum(cumulative_rms),
         _same,
         lambda given: "cumulative RMS",
         FREQUENCY,
@@ -276,30 +268,9 @@ TRANSFORMS = {
         numbers=("class",),
         required=1,
     ),
-    "lowpass": Transform(
-        _butterworth("lowpass", "corner"),
-        _same,
-        _butterworth_told("below", "corner"),
-        TIME,
-        numbers=("corner", "order"),
-        required=1,
-    ),
-    "highpass": Transform(
-        _butterworth("highpass", "corner"),
-        _same,
-        _butterworth_told("above", "corner"),
-        TIME,
-        numbers=("corner", "order"),
-        required=1,
-    ),
-    "bandpass": Transform(
-        _butterworth("bandpass", "low", "high"),
-        _same,
-        _butterworth_told("", "low", "high"),
-        TIME,
-        numbers=("low", "high", "order"),
-        required=2,
-    ),
+    "lowpass": _filter("lowpass", "below", "corner"),
+    "highpass": _filter("highpass", "above", "corner"),
+    "bandpass": _filter("bandpass", "", "low", "high"),
 }
 # The only transform that changes nothing but the unit.
 IN_GRAVITIES = "g"

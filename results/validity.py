@@ -67,7 +67,7 @@ class Criterion:
 
 _DIVIDE_BODY = "divide the body into several superelements"
 MEND_DEFORMATION = f"{_DIVIDE_BODY}, or check loads and units"
-_ADD_ROTATION = "add [rotation] to its body file, which needs the mesh"
+_ADD_ROTATION = "add [rotation] to its body file, or part.rotation() in Python, with the mesh"
 _CRITERIA_IN_ORDER = (
     Criterion(
         "elastic_rotation",
@@ -340,7 +340,7 @@ _CRITERIA_IN_ORDER = (
         1e-2,
         1e-1,
         "take a smaller step, or rho_inf nearer to 1",
-        measures="what time stepping took from the modes, over the energy that moves",
+        measures="energy that time stepping dissipates in the modes, over the energy that moves",
     ),
     Criterion(
         "joint_opening",

@@ -28,7 +28,7 @@ class ModelError(ValueError):
 
 
 class StateError(ValueError):
-    """A state that cannot be gone on from: damaged, or of another model, version or machine.
+    """A state that a run cannot continue from: damaged, or of another model, version or machine.
 
     The message names what differs.
     """
@@ -37,9 +37,18 @@ class StateError(ValueError):
 class ConvergenceError(RuntimeError):
     """Newton's method did not converge in a time step.
 
-    step, time [s]; residual: of equilibrium and constraints, relative as the tolerance is; joint,
-    opening: the name of the joint that is farthest open, "" if none is, and by how much [m or rad];
-    model: the name of the model file; cause: the likely one, where one is known.
+    Parameters
+    ----------
+    step : int
+    time : float [s]
+    residual, tolerance : float
+        Of equilibrium and constraints, both relative.
+    worst : (str, float)
+        The joint that is farthest open, "" if none is, and by how much [m or rad].
+    model : str
+        The model file.
+    cause : str
+        The likely one, where one is known.
     """
 
     def __init__(
@@ -67,8 +76,15 @@ class ConvergenceError(RuntimeError):
 class OutOfRangeError(RuntimeError):
     """A flexible body has left the range of linear elasticity so far that the run has no meaning.
 
-    step, time [s]: where; interface: the one that did, as "BODY.FRAME"; model: the name of the
-    model file.
+    Parameters
+    ----------
+    step : int
+    time : float [s]
+    interface : str
+        "BODY.FRAME".
+    reason : str
+    model : str
+        The model file.
     """
 
     def __init__(self, step: int, time: float, interface: str, reason: str, model: str) -> None:
@@ -80,7 +96,13 @@ class OutOfRangeError(RuntimeError):
 class MissedContactError(RuntimeError):
     """A ball, or a surface, passed through what its contact is with within one step.
 
-    step, time [s]: where; contact: its name; model: the name of the model file.
+    Parameters
+    ----------
+    step : int
+    time : float [s]
+    contact, reason : str
+    model : str
+        The model file.
     """
 
     def __init__(self, step: int, time: float, contact: str, reason: str, model: str) -> None:

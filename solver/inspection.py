@@ -41,19 +41,47 @@ MIN_STEPS_IN_PERIOD = 20
 
 @dataclass(frozen=True, eq=False)
 class ModelCheck:
-    """What a run of a model will be.
+    """What a run of a model will be, from `check`. `print` shows it as text.
 
-    constraints: their number; removed: redundant ones, in words; degrees_of_freedom: with all
-    bodies rigid; assembly_error: the largest opening of a joint as given [m]; step, t_end [s];
-    frequencies: of the assembled model about its start [Hz], None where they are not known;
-    damping: frequencies and ratios of the first of them, none where nothing damps them;
-    validity: of the first steps, which are taken to measure the time; free_frequencies: the first
-    of each superelement alone [Hz], by body; second_order: of each flexible body, the number of its
-    coordinates, "off" or "none"; contacts: a line for each contact and stop, with its gap at the
-    start; drifts: a line for each coordinate that is driven by its velocity or acceleration, where
-    it ends; motors: a line for each; moduli: a line for each body whose moduli are given at a
-    frequency; seconds: of the time loop; memory: of the whole process at most, with libraries and
-    compiled code; results_size: of the results [bytes], with so many rows.
+    Parameters
+    ----------
+    bodies, flexible, constraints, degrees_of_freedom : int
+        Degrees of freedom are those with all bodies rigid.
+    removed : str
+        Redundant constraints, in words.
+    assembly_error : float [m]
+        The largest gap of a joint as given.
+    step : float [s]
+    steps : int
+    frequencies : (n,) or None [Hz]
+        Of the assembled model about its start, None where they are not known.
+    free_frequencies : dict of float [Hz]
+        The first of each superelement alone, by body.
+    second_order : dict of str
+        Of each flexible body the number of its coordinates, "off" or "none".
+    seconds : float [s]
+        Estimate for the time loop.
+    memory : int [bytes]
+        Of the whole process at most, with libraries and compiled code.
+    rows : int
+    results_size : int [bytes]
+    contacts, drifts, motors, moduli : tuple of str
+        A line for each contact and stop with its gap at the start; for each coordinate that is
+        driven by its velocity or acceleration, where it ends; for each motor; for each body whose
+        moduli are given at a frequency.
+    damping : tuple
+        Frequencies and damping ratios of the first modes; empty where nothing damps them.
+    validity : Validity
+        Of the first steps, which are taken to measure the time.
+    warnings : tuple of str
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> ball, settings = RigidBody(1.0, [0.1, 0.1, 0.1]), Settings(t_end=1.0, step=0.1)
+    >>> found = check(Model({"ball": ball}, settings=settings))
+    >>> found.degrees_of_freedom, found.steps
+    (6, 10)
     """
 
     bodies: int
@@ -116,9 +144,24 @@ class ModelCheck:
 def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck:
     """Check a model without running it.
 
-    All that `simulate` refuses before its first step is refused, with the same errors; `output`
-    would be the results file, and is not written. The time is that of some steps from the start,
-    which are taken in memory; ConvergenceError where they already fail.
+    Parameters
+    ----------
+    model : Model
+    output : path, optional
+        Where results would be written. Nothing is written.
+
+    Returns
+    -------
+    ModelCheck
+        Its time is measured on some steps from the start, taken in memory. See there for an
+        example.
+
+    Raises
+    ------
+    ModelError
+        For all that `simulate` refuses before its first step.
+    ConvergenceError
+        Where the first steps fail.
     """
     path = None if output is None else Path(output)
     if path is not None:
@@ -173,7 +216,22 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
 
 
 def given_moduli(model: Model) -> Iterator[str]:
-    """A line for each flexible body whose moduli are given at a frequency, not at rest."""
+    """A line for each flexible body whose moduli are given at a frequency, not at rest.
+
+    Parameters
+    ----------
+    model : Model
+
+    Yields
+    ------
+    str
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody
+    >>> list(given_moduli(Model({"ball": RigidBody(1.0, [0.1] * 3)})))
+    []
+    """
     for name, body in model.flexible_bodies.items():
         modes = body.superelement.modes
         if modes is not None and modes.chain is not None and (words := modes.chain.given_moduli):

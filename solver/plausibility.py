@@ -58,14 +58,47 @@ WITH_PHASE = (Harmonic, Chirp, LogarithmicChirp)
 
 
 class Implausible(NamedTuple):
-    """A line about what is implausible; severe: a run will almost certainly mean nothing."""
+    """A line about a value that is implausible.
+
+    Parameters
+    ----------
+    text : str
+    severe : bool
+        A run will almost certainly mean nothing.
+
+    Examples
+    --------
+    >>> Implausible("ball: 1e+06 kg").severe
+    False
+    """
 
     text: str
     severe: bool = False
 
 
 def plausibility_warnings(model: Model) -> tuple[Implausible, ...]:
-    """Warnings about values that no machine has; `ModelError` for a model without a step."""
+    """Warnings about values that no machine has.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    tuple of Implausible
+
+    Raises
+    ------
+    ModelError
+        For a model without a step.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> ball = RigidBody(1.0, [0.1, 0.1, 0.1])
+    >>> plausibility_warnings(Model({"ball": ball}, settings=Settings(t_end=1.0, step=0.1)))
+    ()
+    """
     with about(model.path):
         stepping = stepping_of(model)
     h = stepping.h * stepping.ratio

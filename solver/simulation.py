@@ -81,20 +81,56 @@ def simulate(
 ) -> Results:
     """Integrate the motion of a model from t = 0 to t_end.
 
-    settings: by default those of the model; output: the results file, by default none (results stay
-    in memory); progress: tell on stderr how far it is, by a bar or by lines. resume: go on with the
-    last run to that file, from the state that it kept (`Settings.checkpoint`): the results are to
-    the bit those of a run that was never interrupted; t_end may be another. force: also where
-    model, versions or machine are not those of that run; its former name is `anyway`.
+    The steps before a failure or an interrupt are in the file, or in OUTPUT.partial if earlier
+    results are there: these stay until a run has ended well.
 
-    Raises ModelError for a model that cannot start or whose redundant constraints are needed later,
-    ConvergenceError where Newton's method fails, OutOfRangeError where a body deforms too far for
-    linear elasticity, MissedContactError where a ball passes through a shape in one step,
-    StateError for a state that does not belong to the model, or is none, and ResultsError for a
-    file that cannot be written. The steps before a failure or an interrupt are
-    in the file, or in OUTPUT.partial where earlier results stand, which stay until a run has ended
-    well. Warns (`ValidityWarning`) of every limit of the method that the run has passed:
-    `Results.validity`.
+    Parameters
+    ----------
+    model : Model
+    settings : Settings, optional
+        By default those of the model.
+    output : path, optional
+        The results file; by default results stay in memory.
+    progress : bool
+        Report progress on stderr, as a bar or as lines.
+    resume : bool
+        Continue the last run to that file from the state that it kept (`Settings.checkpoint`). The
+        results are to the bit those of a run that was never interrupted; t_end may be another.
+    force : bool
+        Continue even if model, versions or machine differ from that run. The former name is
+        `anyway`.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    ModelError
+        For a model that cannot start, or whose redundant constraints are needed later.
+    ConvergenceError
+        Where Newton's method fails.
+    OutOfRangeError
+        Where a body deforms too far for linear elasticity.
+    MissedContactError
+        Where a ball passes through a shape in one step.
+    StateError
+        For a state that does not belong to the model, or is damaged or missing.
+    ResultsError
+        For a file that cannot be written.
+
+    Warns
+    -----
+    ValidityWarning
+        For each limit of the method that the run has passed (`Results.validity`).
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> ball = RigidBody(1.0, [0.1, 0.1, 0.1])
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> simulate(model).body("ball").velocity[-1].round(6).tolist()
+    [0.0, 0.0, -10.0]
     """
     if settings is not None:
         model = replace(model, settings=settings)
@@ -109,7 +145,25 @@ def simulate(
 def start(model: Model) -> Results:
     """The results of the start alone: one row, at t = 0.
 
-    Raises ModelError as `simulate` does.
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    ModelError
+        As `simulate`.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> ball = RigidBody(1.0, [0.1, 0.1, 0.1])
+    >>> start(Model({"ball": ball}, settings=Settings(t_end=1.0, step=0.1))).time.tolist()
+    [0.0]
     """
     return _run(model, None, progress=False, steps=0)
 

@@ -54,12 +54,6 @@ PAST_PREFIX = "past/"
 class Simulator:
     """A model from t = 0 to t_end, with the values of its `Input` signals given step by step.
 
-        outputs = ["joints/pivot/angle", "frames/beam.tip/position"]
-        with Simulator(model, outputs, results="run.h5") as simulator:
-            while simulator.time < 1.0:
-                simulator.step([controller(simulator.outputs)])
-            print(simulator.energy.balance, simulator.validity)
-
     `step` takes the values at the end of the step, in the order of `inputs`. Loads are linear
     between them: a force that is to be held from one step to the next acts half a step early, with
     the same impulse. The end of a step prepares the next one as far as it does not depend on them:
@@ -70,20 +64,50 @@ class Simulator:
     `outputs` (n,) are the chosen quantities of results, one after the other, at the present `time`;
     `views` has those of each name, in arrays that every step changes. They are those of `simulate`.
 
-    results: a results file, by default none: what `simulate` writes of the same steps. `finish`, or
-    the end of the `with` block, ends it; `energy` and `validity` are there without it too. A file
-    goes on in time alone: no `restore` with it.
+    Use it in a `with` block, or call `finish`, to end the results file. After an error there are no
+    further steps but from an earlier state: `save` gives the present one, `restore` goes back.
 
-    Warns (`ValidityWarning`) at the start as `simulate` does; of limits of the method that were
-    passed at t_end, or before at `finish` or the end of the `with` block; and at once of an input
-    that chatters: that goes up and down from step to step, as that of a controller does whose gains
-    are too large for its delay.
+    Parameters
+    ----------
+    model : Model
+    outputs : sequence of str
+        As "joints/pivot/angle" or "frames/beam.tip/position".
+    settings : Settings, optional
+        By default those of the model.
+    results : path, optional
+        A results file, as `simulate` writes it; by default none. `energy` and `validity` are there
+        without it too. Time in a file only advances: there is no `restore` with it.
 
-    Raises ModelError for a model that cannot start, an unknown output, a wrong number of inputs and
-    a step beyond t_end; ConvergenceError where Newton's method fails and OutOfRangeError where a
-    body deforms too far for linear elasticity and MissedContactError where a ball passes through
-    a shape in one step, after which there are no further steps but from an
-    earlier state: `save` gives the present one, and `restore` goes back.
+    Raises
+    ------
+    ModelError
+        For a model that cannot start, an unknown output, a wrong number of inputs, and a step
+        beyond t_end.
+    ConvergenceError
+        Where Newton's method fails.
+    OutOfRangeError
+        Where a body deforms too far for linear elasticity.
+    MissedContactError
+        Where a ball passes through a shape in one step.
+
+    Warns
+    -----
+    ValidityWarning
+        At the start as `simulate` does; at the end of limits of the method that were passed; and at
+        once of an input that changes direction at every step, as that of a controller does whose
+        gains are too large for its delay.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Force, Input, Model, RigidBody, Settings
+    >>> push = Force("ball", [1.0, 0.0, 0.0], Input("push"))
+    >>> model = Model({"ball": RigidBody(1.0, [0.1] * 3)}, loads=[push],
+    ...               settings=Settings(t_end=1.0, step=0.1))
+    >>> with Simulator(model, ["bodies/ball/v"]) as simulator:
+    ...     while simulator.time < 0.95:
+    ...         velocity = simulator.step([1.0 - simulator.outputs[0]])
+    >>> bool(0.5 < velocity[0] < 0.7)
+    True
     """
 
     def __init__(
@@ -105,7 +129,7 @@ class Simulator:
             if lowered.flight is not None:
                 raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
-                raise ModelError("start: a Simulator goes on from recursive history alone")
+                raise ModelError("start: a Simulator continues a run only with recursive history")
             check_names(lowered, outputs)
             initial = initialize(model, lowered, source)
             lowered, state = initial.lowered, initial.state
@@ -188,7 +212,7 @@ class Simulator:
             self._recording.keep(self._number, self._output)
         self._contacts.n_events[0] = 0
         if self._has_ended:
-            raise ModelError("step: the results have been ended by finish")
+            raise ModelError("step: finish has already ended the results")
         if number > self._n_steps:
             t_end = self._lowered.model.settings.t_end
             raise ModelError(f"t_end = {t_end:.9g} s has been reached")

@@ -22,6 +22,13 @@ class Case:
         The base file with these parameters.
     folder : Path
         Of its files.
+
+    Examples
+    --------
+    >>> document = {"bodies": {"ball": {"mass": 2.0}}}
+    >>> case = Case("1", {"bodies.ball.mass": 2.0}, document, Path("masses"))
+    >>> case.source.name, case.target.name
+    ('1.toml', '1.h5')
     """
 
     name: str

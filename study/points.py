@@ -10,7 +10,8 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..inputs import InputError, dotted, parse_toml, quoted, read_text
+from ..inputs import InputError, dotted, quoted
+from ..inputs.text import parse_toml, read_text
 from .errors import StudyError
 from .keys import leaves
 from .samples import MOST_CASES, Design, is_distribution, sampled
@@ -86,13 +87,11 @@ def _numbered(number: int) -> str:
 def _lines(path: Path) -> list[list[str]]:
     """The rows of a table that are not empty, a first one in any case."""
     try:
-        text = read_text(path).removeprefix("\ufeff")
+        text = read_text(path, StudyError).removeprefix("\ufeff")
         lines = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
         return [line for line in lines if line] or [[]]
     except csv.Error as error:
         raise StudyError(f"{path}: not a readable table: {error}") from error
-    except InputError as error:
-        raise StudyError(str(error)) from error
 
 
 def _cell(text: str) -> Any:

@@ -7,7 +7,8 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
-from typing import Any, Protocol
+from multiprocessing.process import BaseProcess
+from typing import Any
 
 from ..files.memory import available
 from .case import Case, Kind
@@ -25,11 +26,6 @@ LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_TH
 SAFE_PATH = "PYTHONSAFEPATH"
 
 
-class _Process(Protocol):
-    def terminate(self) -> None: ...
-    def join(self) -> None: ...
-
-
 class Worker:
     """A process that makes one case after another."""
 
@@ -39,7 +35,7 @@ class Worker:
         with _environment():
             process.start()
         far_end.close()  # so that the pipe ends with the process
-        self.process: _Process = process
+        self.process: BaseProcess = process
 
     def stop(self) -> None:
         self.process.terminate()

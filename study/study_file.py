@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ..files.memory import shortage
 from ..files.outputs import clash, resolved
-from ..inputs import InputError, Table, document_of, read_table, read_toml
+from ..inputs import Table, document_of, read_table, read_toml, rule
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
@@ -35,22 +35,22 @@ class _StudyFile(Table):
     derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> "_StudyFile":
+    @rule
+    def _one_of_each(self) -> None:
         for pair in (("model", "body"), ("parameters", "table")):
-            present = [key for key in pair if getattr(self, key) is not None]
-            if len(present) != 1:
+            if len(found := self.given(*pair)) != 1:
                 raise ValueError(
-                    f"expected one of {' and '.join(pair)}, found {' and '.join(present) or 'none'}"
+                    f"expected one of {' and '.join(pair)}, found {' and '.join(found) or 'none'}"
                 )
         if self.design is not None and self.parameters is None:
             raise ValueError("design: expected with parameters, found with table")
-        return self
 
 
 @dataclass(frozen=True)
 class Study:
-    """A base file, the cases that vary it, and their outputs; `read_study` reads it from a file.
+    """A base file, the cases that vary it, and their outputs.
+
+    `read_study` reads it from a file. See `sweep` for an example.
 
     Parameters
     ----------
@@ -133,11 +133,9 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
         Names the file, the key and the value found there. See `sweep` for an example.
     """
     path = Path(path).absolute()
+    file, _ = read_table(path, _StudyFile, StudyError)
     try:
-        file, _ = read_table(path, _StudyFile)
         return _study(file, path, resolved(Path(folder or path.with_suffix(""))))
-    except InputError as error:
-        raise StudyError(str(error)) from error
     except (StudyError, OSError) as error:
         raise StudyError(f"{path}: {error}") from error
 
@@ -151,9 +149,8 @@ def check_outputs(study: Study) -> None:
 
 def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     kind, base = _kind_and_base(file, path.parent)
-    document = with_texts(
-        _document(base), "", kind.paths, lambda text: _relative(base.parent / text, folder)
-    )
+    given, beside = read_toml(base, StudyError), base.parent
+    document = with_texts(given, "", kind.paths, lambda text: _relative(beside / text, folder))
     table = None if file.table is None else path.parent / file.table
     points = list(_points(file, table))
     if lacking := shortage(MEMORY_PER_FILE_BYTE * len(points) * base.stat().st_size):
@@ -227,13 +224,6 @@ def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:
     from .preprocessing import Preprocessing
 
     return Preprocessing(), folder / (file.body or "")
-
-
-def _document(base: Path) -> dict[str, Any]:
-    try:
-        return read_toml(base)
-    except InputError as error:
-        raise StudyError(str(error)) from error
 
 
 def _relative(path: Path, folder: Path) -> str:

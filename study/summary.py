@@ -26,7 +26,7 @@ UNIT_COLUMNS = ("output", "unit")
 
 @dataclass(frozen=True)
 class Row:
-    """A case in the summary of a study.
+    """A case in the summary of a study. See `sweep` for an example.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Row:
         Why it failed.
     warnings : tuple of str
     reused : bool
-        It was there already, and up to date.
+        Its files existed already and were up to date.
     """
 
     case: Case
@@ -100,16 +100,18 @@ def _cell(value: Any) -> Any:
 class Summary:
     """The cases of a summary that are done, in their order, and those that failed.
 
+    See `sweep` for an example.
+
     Parameters
     ----------
     parameters : mapping of list
-        Values as TOML has them, by key.
+        By key, values as TOML has them.
     numbers : mapping of (n,)
-        Those of runs, and outputs, by name.
+        By name, the numbers of runs and the outputs.
     failed : mapping of list
-        Values of the parameters of cases that failed.
+        By key, values of the parameters of cases that failed.
     units : mapping of str
-        Of outputs, by name.
+        By name, of outputs.
     """
 
     parameters: Mapping[str, list[Any]]

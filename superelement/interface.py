@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ..files.arrays import Array
-from .validation import SuperelementError, checked
+from .validation import check_name, checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,7 @@ class Interface:
     rotations: bool = True
 
     def __post_init__(self) -> None:
-        if not (self.name and self.name.isprintable()) or "/" in self.name or "." in self.name:
-            raise SuperelementError(
-                f"interface name: expected one line without '/' and '.', found {self.name!r}"
-            )
+        check_name("interface", self.name)
         object.__setattr__(self, "X", checked(f"interface {self.name!r}: X", self.X, (3,)))
 
     @property

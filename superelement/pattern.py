@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ..files.arrays import Array
-from .validation import SuperelementError, checked
+from .validation import check_name, checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +40,3 @@ class Pattern:
         for key in ("force", "moment"):
             vector = checked(f"pattern {self.name!r}: {key}", getattr(self, key), (3,))
             object.__setattr__(self, key, vector)
-
-
-def check_name(kind: str, name: str) -> None:
-    """`SuperelementError` for a name that is not one line without '/' and '.'."""
-    if not (name and name.isprintable()) or "/" in name or "." in name:
-        raise SuperelementError(
-            f"{kind} name: expected one line without '/' and '.', found {name!r}"
-        )

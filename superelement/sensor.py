@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from ..files.arrays import Array
-from .pattern import check_name
-from .validation import SuperelementError, checked
+from .validation import SuperelementError, check_name, checked
 
 CHANNELS_OF_KIND: dict[str, tuple[str, ...]] = {
     "motion": ("x", "y", "z"),

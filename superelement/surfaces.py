@@ -8,8 +8,7 @@ import numpy as np
 
 from ..files.arrays import Array
 from .cells import IntArray
-from .pattern import check_name
-from .validation import SuperelementError, check_positive, check_symmetric, checked
+from .validation import SuperelementError, check_name, check_positive, check_symmetric, checked
 
 # Nodes and corners of each type of facet, by meshio's names: corners first, then middle nodes.
 FACET_NODES = {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
@@ -74,6 +73,7 @@ class Surface:
         if len(np.unique(nodes)) != n:
             raise SuperelementError(f"{what}: nodes: expected each node once, found one twice")
         facets = _integers(f"{what}: facets", self.facets, (None, k))
+        # A node without a facet has neither area nor normal.
         used = np.unique(facets)
         if not np.array_equal(used, np.arange(n)):
             raise SuperelementError(

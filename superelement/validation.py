@@ -80,6 +80,14 @@ def check_positive(name: str, value: float) -> None:
         )
 
 
+def check_name(kind: str, name: str) -> None:
+    """`SuperelementError` for a name that is not one line without '/' and '.'."""
+    if not (name and name.isprintable()) or "/" in name or "." in name:
+        raise SuperelementError(
+            f"{kind} name: expected one line without '/' and '.', found {name!r}"
+        )
+
+
 def check_symmetric(name: str, matrices: Array) -> None:
     """SuperelementError unless `matrices` (..., n, n) are symmetric, relative to their diagonals.
 

@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar, overload
 
 import numpy as np
 from duhamel import solver, superelement, view
@@ -25,6 +25,41 @@ from .runs import Run
 MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
+AnyPart = TypeVar(
+    "AnyPart",
+    bound=(
+        solver.Joint
+        | solver.Spring
+        | solver.PrescribedDisplacement
+        | solver.PrescribedRotation
+        | solver.PrescribedOrientation
+        | solver.Load
+        | solver.PatternLoad
+        | solver.Contact
+        | solver.Stop
+        | solver.Motor
+        | solver.Coupler
+    ),
+)
+"""what acts between bodies"""
+
+
+class _Owned(str):
+    """A name of a mechanism, by which a handle of another one is told apart.
+
+    To the solver, in copies and in files it is a string as any.
+    """
+
+    __slots__ = ("mechanism",)
+    mechanism: "Mechanism"
+
+    def __new__(cls, name: str, mechanism: "Mechanism") -> Self:
+        owned = super().__new__(cls, name)
+        owned.mechanism = mechanism
+        return owned
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return str, (str(self),)
 
 
 @dataclass(frozen=True)
@@ -68,7 +103,7 @@ class BodyHandle:
 
     def __getitem__(self, frame: str) -> FrameHandle:
         """A frame, or a surface by its name."""
-        return _frame(self.name, frame, (*self.frames, *self.surfaces))
+        return _frame(self.mechanism, self.name, frame, (*self.frames, *self.surfaces))
 
     def __repr__(self) -> str:
         return f"<body {self.name!r}, frames: {', '.join(self.frames) or 'none'}>"
@@ -103,18 +138,18 @@ class GroundHandle:
         return self[name]
 
     def __getitem__(self, frame: str) -> FrameHandle:
-        return _frame("ground", frame, tuple(self.mechanism.ground_frames))
+        return _frame(self.mechanism, "ground", frame, tuple(self.mechanism.ground_frames))
 
     def __repr__(self) -> str:
         return f"<ground, frames: {', '.join(self.mechanism.ground_frames) or 'none'}>"
 
 
-def _frame(body: str, frame: str, known: Sequence[str]) -> FrameHandle:
+def _frame(mechanism: "Mechanism", body: str, frame: str, known: Sequence[str]) -> FrameHandle:
     if frame not in known:
         raise solver.ModelError(
             f"no frame {quoted(frame)} on {body!r}; it has: {', '.join(known) or 'none'}"
         )
-    return FrameHandle(f"{body}.{frame}")
+    return FrameHandle(_Owned(f"{body}.{frame}", mechanism))
 
 
 class Mechanism:
@@ -170,7 +205,7 @@ class Mechanism:
     def __getitem__(self, name: str) -> Any:
         """A body as its handle, or a joint, spring, contact, ... as it was added, by name."""
         if name in self.bodies:
-            return BodyHandle(self, name)
+            return BodyHandle(self, _Owned(name, self))
         named = {entry.name: entry for entry in self._named()}
         if name not in named:
             known = ", ".join([*self.bodies, *named]) or "none"
@@ -180,9 +215,29 @@ class Mechanism:
     def __repr__(self) -> str:
         counts = {group: len(entries) for group, entries in self._entries.items()}
         named = ", ".join(self.bodies) or "none"
-        parts = [f"{count} {group}" for group, count in counts.items() if count]
+        parts = [
+            f"{count} {group if count > 1 else group.removesuffix('s')}"
+            for group, count in counts.items()
+            if count
+        ]
         return f"<Mechanism: {'; '.join([f'bodies {named}', *parts])}>"
 
+    @overload
+    def add(
+        self,
+        what: Superelement | AnyRigidBody | solver.FlexibleBody | str | os.PathLike[str],
+        name: str = "",
+        *,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        place: Mapping[str, str | Framed] | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        rigid: bool = False,
+        second_order: Literal["auto", "full", "off"] = "auto",
+    ) -> BodyHandle: ...
+    @overload
+    def add(self, what: AnyPart, name: str = "") -> AnyPart: ...
     def add(
         self,
         what: Any,
@@ -457,25 +512,46 @@ class Mechanism:
             name = next(free for free in numbers if free not in self.bodies)
         if name in self.bodies:
             raise solver.ModelError(f"bodies: a body named {quoted(name)} is there already")
+        if name in {entry.name for entry in self._named()}:
+            raise solver.ModelError(f"bodies: {quoted(name)} is there already, and no body")
         if name == "ground" or not is_name(name):
             raise solver.ModelError(
                 f"bodies: a body cannot be named {quoted(name)}: expected {FORM_OF_NAMES}, other "
                 "than 'ground'"
             )
+        self._check_owners(f"body {name!r}", body.start.place)
         self.bodies[name] = body
-        return BodyHandle(self, name)
+        return BodyHandle(self, _Owned(name, self))
+
+    def _check_owners(self, owner: str, entry: Any) -> None:
+        """`ModelError` where a field of an entry came from a handle of another mechanism.
+
+        Its own name does not count: it gets another one here.
+        """
+        fields = {} if entry is None else vars(entry)
+        for field, value in fields.items():
+            if field == "name":
+                continue
+            for name in value if isinstance(value, tuple) else (value,):
+                if isinstance(name, _Owned) and name.mechanism is not self:
+                    raise solver.ModelError(
+                        f"{owner}: {quoted(str(name))} is of another mechanism, "
+                        f"{name.mechanism!r}, not of this one, {self!r}"
+                    )
 
     def _add_entry(self, group: str, entry: Any, name: str) -> Any:
         if name:
             if not hasattr(entry, "name"):
                 raise solver.ModelError(f"{entry.owner}: expected no name, found {quoted(name)}")
             entry = replace(entry, name=name)
+        self._check_owners(entry.owner, entry)
         entries = (*self._entries[group], entry)
         if hasattr(entry, "name"):
             taken = {other.name for other in self._named()}
-            if entry.name in taken:
+            if entry.name in taken or entry.name in self.bodies:
                 raise solver.ModelError(f"{group}: {quoted(entry.name)} is there already")
-            entries = numbered(group.removesuffix("s"), entries, taken)
+            *others, entry = numbered(group.removesuffix("s"), entries, taken)
+            entries = (*others, replace(entry, name=_Owned(entry.name, self)))
         self._entries[group] = entries
         return entries[-1]
 

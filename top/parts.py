@@ -193,8 +193,7 @@ class Part:
         if interface is not None:
             piece["interface"] = interface
         if inertia is not None:
-            matrix = np.asarray(inertia, dtype=np.float64)
-            piece["inertia"] = _tuples(np.diag(matrix) if matrix.shape == (3,) else matrix)
+            piece["inertia"] = np.asarray(inertia, dtype=np.float64).tolist()
         if at is not None:
             piece["at"] = vector(at)
         self._add("masses", name, piece)
@@ -344,12 +343,19 @@ class Part:
 
         The parameters are those of `superelement`.
         """
+        known = ["step", "duration", *ImpulseOptions.__annotations__]
+        if unknown := [name for name in impulse if name not in known]:
+            raise preprocess.BodyError(
+                f"part {self.name!r}: unknown keyword {unknown[0]!r}; known are {', '.join(known)}"
+            )
         asked: dict[str, Any] = {"step": step, **impulse}
         if step is not None:
             asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
         table, read = dict(self._table), self._table.get("impulse")
-        known = {} if read is None else read.model_dump(exclude_unset=True)
-        table["impulse"] = known | {key: value for key, value in asked.items() if value is not None}
+        before = {} if read is None else read.model_dump(exclude_unset=True)
+        table["impulse"] = before | {
+            key: value for key, value in asked.items() if value is not None
+        }
         if "step" not in table["impulse"]:
             raise preprocess.BodyError(
                 f"part {self.name!r}: step: expected that of the impulse responses [s], found none"
@@ -512,7 +518,3 @@ def _steps(duration: float, step: float) -> int:
     if not (math.isfinite(duration) and duration > 0.0):
         raise InputError(f"duration: expected a positive number [s], found {duration}")
     return max(1, math.ceil(duration / step * (1.0 - 1e-9)))
-
-
-def _tuples(matrix: Any) -> Any:
-    return tuple(map(tuple, matrix.tolist()))

@@ -14,6 +14,34 @@ from .pictures import Picture
 from .quantities import quantity_of
 
 
+class Peaks(tuple[Peak, ...]):
+    """Peaks of a run: a tuple that is shown as a table."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        table = [("quantity", "unit", "largest", "at", "smallest", "at")]
+        table += [
+            (
+                peak.quantity,
+                peak.unit,
+                f"{peak.largest:.4g}",
+                f"{peak.at_largest:.5g} {peak.base}",
+                f"{peak.smallest:.4g}",
+                f"{peak.at_smallest:.5g} {peak.base}",
+            )
+            for peak in self
+        ]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        sides = [str.ljust, str.ljust, *[str.rjust] * 4]
+        return "\n".join(
+            "  ".join(
+                side(cell, width) for side, cell, width in zip(sides, row, widths, strict=True)
+            )
+            for row in table
+        )
+
+
 class Run:
     """The motion of a mechanism over time.
 
@@ -106,9 +134,12 @@ class Run:
         """Write one page of HTML with all of the run, for any browser; see `view.write_report`."""
         view.write_report(self.results, path, title, field)
 
-    def peaks(self, *quantities: str) -> tuple[Peak, ...]:
-        """The largest values of quantities, when and where, or of all that may matter."""
-        return peaks(self.results, [self._quantity(name) for name in quantities])
+    def peaks(self, *quantities: str) -> "Peaks":
+        """The largest values of quantities, when and where, or of all that may matter.
+
+        A tuple of `duhamel.results.peaks.Peak`, which is shown as a table.
+        """
+        return Peaks(peaks(self.results, [self._quantity(name) for name in quantities]))
 
     def _quantity(self, text: str) -> str:
         joints = self.results.joints

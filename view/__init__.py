@@ -1,6 +1,7 @@
 """Pictures of results and bodies."""
 
 from .body_fields import draw_body_fields
+from .curve import Curve
 from .errors import (
     PictureError,
     PictureWarning,
@@ -22,7 +23,7 @@ from .naming import title_and_labels
 from .overlay import overlaid
 from .overview import overview, overview_quantities
 from .picture import draw, entitle, panels, save, style
-from .quantities import Curve, curves
+from .quantities import curves
 from .report import REPORT_FIELDS, write_report
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene

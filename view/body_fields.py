@@ -9,17 +9,16 @@ from matplotlib.figure import Figure
 from ..results import QuantityError, Results
 from ..results.transforms import Window
 from ..results.wildcards import WILDCARD_STAR, matching
-from .field_kinds import FIELDS, WORST, scale_of
+from .field_kinds import FIELD_WORDS, WORST_TIME, scale_of
 from .fields import Field, draw_fields
 from .picture import add_room, entitle
-from .prefixes import PREFIXES, exponent_of
+from .prefixes import seconds
 from .scene import Marker, Scene
 from .worst import worst_time
 
-BLENDED = "interfaces"
-"""where a body without recovery has its deformation from"""
-HEADER = 0.5
-"""height of the title [inch]"""
+# The outline of a body without recovery deforms by what its interfaces do, which is said.
+INTERPOLATED_SOURCE = "interfaces"
+HEADER_HEIGHT = 0.5  # [inch]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +33,44 @@ class Chosen:
 def draw_body_fields(
     results: Results,
     fields: Sequence[str],
-    at: float | str = WORST,
+    at: float | str = WORST_TIME,
     window: Window | None = None,
     title: str = "",
 ) -> Figure:
-    """Bodies in space at a time, colored by a field: "von_mises:rod", "displacement:*".
+    """Draw bodies in space at a time, colored by a field on their surfaces.
 
-    Magnitudes on the outlines of bodies, of a displacement the elastic one; the largest value is
-    marked, and the title says its time and its place in the mesh, and where a deformation is
-    interpolated between the interfaces of a body without recovery. at: a time [s], or "worst", when
-    the largest value of the run, or of the window, is. QuantityError says what there is,
-    RecoveryError what is missing.
+    Magnitudes on the outlines of bodies, of a displacement the elastic one. The largest value is
+    marked; the title says its time and its place in the mesh, and where a deformation is
+    interpolated between the interfaces of a body without recovery.
+
+    Parameters
+    ----------
+    results : Results
+    fields : sequence of str
+        Of one kind: "von_mises:rod", "displacement:*", "velocity:crank".
+    at : float [s] or "worst"
+        A time, or when the largest value of the run, or of the window, is.
+    window : (float, float) [s], optional
+        From and to: where the worst time is looked for.
+    title : str
+
+    Raises
+    ------
+    QuantityError
+        For a field or body that there is not; the message lists those there are.
+    RecoveryError
+        Where the superelement of a body does not know the field.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> figure = view.draw_body_fields(results, ["velocity:ball"], at=0.5)
+    >>> figure.texts[-1].get_text().partition(" at (")[0]
+    'ball at 0.5 s: 5 m/s'
     """
     chosen = _chosen(results, fields, at, window)
     surfaces = [_surface(results, chosen, body) for body in chosen.bodies]
@@ -57,10 +83,10 @@ def draw_body_fields(
     mark = Marker(value, surface.points[k], has_axes=False)
     label = f"{scale.words} [{scale.unit}]"
     figure = draw_fields(surfaces, label, 1.0 / scale.factor, Scene(markers=[mark]))
-    power = exponent_of(chosen.time)
-    when = f"{chosen.time / 10.0**power:.6g} {PREFIXES[power]}s"
-    line = f"{body} at {when}: {value} at {results.place(body, k)}"
-    if blended := [name for name in chosen.bodies if results.outline_source(name) == BLENDED]:
+    line = f"{body} at {seconds(chosen.time)}: {value} at {results.place(body, k)}"
+    if blended := [
+        name for name in chosen.bodies if results.outline_source(name) == INTERPOLATED_SOURCE
+    ]:
         line = f"{line}; interpolated between the interfaces of {', '.join(blended)}"
     _head(figure, title, line)
     return figure
@@ -72,15 +98,15 @@ def _chosen(
     kinds, bodies = [], []
     for field in fields:
         kind, _, pattern = field.partition(":")
-        if kind not in FIELDS or not pattern:
-            forms = ", ".join(f"{known}:BODY" for known in FIELDS)
+        if kind not in FIELD_WORDS or not pattern:
+            forms = ", ".join(f"{known}:BODY" for known in FIELD_WORDS)
             raise QuantityError(f"{field}: expected a field, {forms}")
         kinds.append(kind)
         bodies += _bodies(results, field, kind, pattern)
     if len(set(kinds)) > 1:
         raise QuantityError(f"expected one kind of field in a picture, found {', '.join(kinds)}")
     bodies = list(dict.fromkeys(bodies))
-    time = float(at) if at != WORST else worst_time(results, bodies, kinds[0], window)
+    time = float(at) if at != WORST_TIME else worst_time(results, bodies, kinds[0], window)
     return Chosen(kinds[0], tuple(bodies), time)
 
 
@@ -110,7 +136,7 @@ def _surface(results: Results, chosen: Chosen, body: str) -> Field:
 
 def _head(figure: Figure, title: str, line: str) -> None:
     """Text above the views, for which the figure grows."""
-    add_room(figure, above=HEADER)
+    add_room(figure, above=HEADER_HEIGHT)
     _, high = figure.get_size_inches()
     heading = entitle(figure, title or line)
     heading.set(y=1.0 - 0.1 / high, va="top")

@@ -8,20 +8,23 @@ import numpy as np
 from ..superelement.validation import Array
 from .errors import PictureError
 
-TILT = np.radians(12.0), np.radians(-10.0)
-"""of the look at a motion in a plane, about the axes of the picture across and up"""
-PLANE = 0.12
-"""thickness over width below which a motion is in a plane"""
-MARGIN = 1.06
-NAMED = {
+# About the axes of the picture across and up: seen straight on, bodies of a plane motion would be
+# flat outlines.
+PLANE_MOTION_TILT = np.radians(12.0), np.radians(-10.0)
+# Over its width: a thicker motion is one in space, which a look along its normal would hide.
+MAX_PLANE_THICKNESS = 0.12
+# Lines and marks at the rim are wider than the points that the camera knows.
+FITTED_MARGIN = 1.06
+# Onto planes: towards the eye, and up.
+NAMED_VIEWS = {
     "xy": ((0, 0, 1), (0, 1, 0)),
     "xz": ((0, -1, 0), (0, 0, 1)),
     "yz": ((1, 0, 0), (0, 0, 1)),
 }
-"""views onto planes: towards the eye, and up"""
-ISO = np.array([1.0, -1.35, 0.8])
-"""the usual direction towards the eye"""
-UP = np.array([0.0, 0.0, 1.0])
+# Towards the eye. No two axes are seen under the same angle, so that edges of boxes do not hide
+# each other.
+ISOMETRIC_EYE = np.array([1.0, -1.35, 0.8])
+UPWARD = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,11 @@ class Camera:
     focus: Array
     height: float
     depth: float
+
+    def seen(self, points: Array) -> Array:
+        """Points (..., 3) in space as (..., 2) from the middle of the picture, over its height."""
+        flat: Array = (points - self.focus) @ self.axes[:2].T / self.height
+        return flat
 
 
 def axes_towards(eye: Array, up: Array) -> Array:
@@ -54,11 +62,11 @@ def chosen_axes(view: str, spread: Array, gravity: Array | None) -> Array:
     view: "" for the choice, "iso", "xy", "xz", "yz" or "x,y,z", towards the eye; spread (3, 3):
     covariance of the points of all frames; gravity (3,), or None: against it is up.
     """
-    up = UP
+    up = UPWARD
     if gravity is not None and np.linalg.norm(gravity) > 0.0:
         up = -np.asarray(gravity, dtype=float) / np.linalg.norm(gravity)
-    if view in NAMED:
-        eye, over = (np.array(direction, dtype=float) for direction in NAMED[view])
+    if view in NAMED_VIEWS:
+        eye, over = (np.array(direction, dtype=float) for direction in NAMED_VIEWS[view])
         return axes_towards(eye, over)
     if view == "iso":
         return axes_towards(_isometric(up), up)
@@ -74,7 +82,7 @@ def direction_of(view: str) -> Array:
     except ValueError:
         direction = np.zeros(0)
     if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
-        known = ", ".join(["iso", *NAMED])
+        known = ", ".join(["iso", *NAMED_VIEWS])
         raise PictureError(f"--view: expected {known} or a direction x,y,z, found {view!r}")
     direction /= np.abs(direction).max()
     unit: Array = direction / np.linalg.norm(direction)
@@ -84,18 +92,18 @@ def direction_of(view: str) -> Array:
 def _isometric(up: Array) -> Array:
     """The usual direction towards the eye, where this is up."""
     if abs(up[2]) > 0.9:
-        return np.array([ISO[0], ISO[1], np.sign(up[2]) * ISO[2]])
+        return np.array([ISOMETRIC_EYE[0], ISOMETRIC_EYE[1], np.sign(up[2]) * ISOMETRIC_EYE[2]])
     # x stays to the right where it can
     ahead = np.cross([1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0], up)
     side = np.cross(up, ahead)
-    eye: Array = -ISO[1] * ahead + ISO[0] * side + ISO[2] * up
+    eye: Array = -ISOMETRIC_EYE[1] * ahead + ISOMETRIC_EYE[0] * side + ISOMETRIC_EYE[2] * up
     return eye
 
 
 def _by_spread(spread: Array, up: Array, falls: bool) -> Array:
     widths, directions = np.linalg.eigh(spread)
     widths = np.sqrt(np.maximum(widths, 0.0))
-    flat = widths[0] < PLANE * widths[2] and widths[0] < 0.5 * widths[1]
+    flat = widths[0] < MAX_PLANE_THICKNESS * widths[2] and widths[0] < 0.5 * widths[1]
     normal = directions[:, 0]
     if not flat or (falls and abs(normal @ up) > 0.7):
         return axes_towards(_isometric(up), up)
@@ -103,7 +111,7 @@ def _by_spread(spread: Array, up: Array, falls: bool) -> Array:
     if not falls and abs(normal[2]) > 0.7:
         up = np.array([0.0, 1.0, 0.0])
     straight = axes_towards(normal, up)
-    above, aside = TILT
+    above, aside = PLANE_MOTION_TILT
     eye = straight[2] + np.tan(above) * straight[1] + np.tan(aside) * straight[0]
     return axes_towards(eye, straight[1])
 
@@ -135,12 +143,22 @@ class Fitting:
         """Its smallest and largest coordinates (3,), (3,) along the axes of the camera [m]."""
         return self._low, self._high
 
+    @property
+    def extent(self) -> Array:
+        """The edges (3,) of the box: across, up and along the line of sight [m]."""
+        extent: Array = self._high - self._low
+        return extent
+
     def camera(self, aspect: float) -> Camera:
         """For pictures of this width over height."""
-        middle, extent = 0.5 * (self._low + self._high), self._high - self._low
-        height = MARGIN * max(extent[1], extent[0] / aspect)
-        height = height if height > 0.0 else 1.0
-        depth = 0.5 * extent[2] + 0.1 * height
+        across, up, _ = self.extent
+        height = FITTED_MARGIN * max(up, across / aspect)
+        return self.camera_of_height(height if height > 0.0 else 1.0)
+
+    def camera_of_height(self, height: float) -> Camera:
+        """One that looks at the middle of the points, and sees this height [m]."""
+        middle = 0.5 * (self._low + self._high)
+        depth = 0.5 * self.extent[2] + 0.1 * height
         return Camera(self._axes, middle @ self._axes, float(height), float(depth))
 
 

@@ -6,20 +6,20 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 
-from .prefixes import PREFIXES, exponent_of
+from .prefixes import UNIT_PREFIXES, exponent_of
 
-FIELDS = {
+# By the names of fields: what they are called, and their units.
+FIELD_WORDS = {
     "displacement": ("elastic displacement", "m"),
     "velocity": ("velocity", "m/s"),
     "von_mises": ("von Mises stress", "Pa"),
 }
-"""their names and units"""
+# Turbo without its darkest ends, which light and shade would make black.
 COLOR_MAP = LinearSegmentedColormap.from_list(
     "field", matplotlib.colormaps["turbo"](np.linspace(0.07, 0.98, 256))
 )
-"""turbo without its darkest ends, which light and shade would make black"""
-WORST = "worst"
-"""the time at which a field is largest"""
+# In place of a time: when the field is largest.
+WORST_TIME = "worst"
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Scale:
 
 
 def scale_of(field: str, largest: float) -> Scale:
-    """The scale of a field of `FIELDS` up to a value in its own unit."""
-    words, unit = FIELDS[field]
+    """The scale of a field of `FIELD_WORDS` up to a value in its own unit."""
+    words, unit = FIELD_WORDS[field]
     exponent = exponent_of(largest, unit)
-    return Scale(words, f"{PREFIXES[exponent]}{unit}", 10.0**exponent, largest)
+    return Scale(words, f"{UNIT_PREFIXES[exponent]}{unit}", 10.0**exponent, largest)

@@ -14,19 +14,24 @@ from .field_kinds import COLOR_MAP
 from .picture import add_room, style
 from .scene import Marker, Patch, Scene, draw_scene
 
-BAR = (3.2, 0.11)
-"""length and height of the bar of colors [inch]"""
-MARGINS = (0.25, 0.6)
-"""height below the bar, and of the bar with its margins, under the views [inch]"""
+# Length and height [inch].
+COLOR_BAR_SIZE = (3.2, 0.11)
+# Height below the bar, and of the bar with its margins, under the views [inch].
+COLOR_BAR_ROOM = (0.25, 0.6)
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """A surface and a value at each of its points.
+    """A surface and a value at each of its points, see `draw_fields` for an example.
 
-    points (p, 3) [m]; values (p,); cells (n, k): facets as rows of points that turn outwards, each
-    of the type of its number of nodes, in meshio's order (3, 4, 6, 8 or 9), with -1 filling short
-    rows, as a superelement's recovery has them.
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    cells : (n, k)
+        Facets as rows of points that turn outwards, each of the type of its number of nodes, in
+        meshio's order (3, 4, 6, 8 or 9), with -1 filling short rows, as a superelement's recovery
+        has them.
+    values : (p,)
     """
 
     points: Array
@@ -37,10 +42,25 @@ class Field:
 def draw_fields(
     fields: Sequence[Field], label: str, scale: float = 1.0, scene: Scene | None = None
 ) -> Figure:
-    """Bodies from two sides, colored by values times `scale` from zero to the largest.
+    """Draw surfaces from two sides, colored from zero to the largest value.
 
-    label: the name of the values, with the unit after `scale`, for the bar of colors; scene: drawn
-    with them.
+    Parameters
+    ----------
+    fields : sequence of Field
+    label : str
+        The name of the values, with the unit that they have times `scale`, for the bar of colors.
+    scale : float
+    scene : Scene, optional
+        Drawn with them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> triangle = view.Field(np.eye(3), np.array([[0, 1, 2]]), np.array([0.0, 1e6, 2e6]))
+    >>> figure = view.draw_fields([triangle], "von Mises stress [MPa]", 1e-6)
+    >>> figure.axes[-1].get_title(loc="left")
+    'von Mises stress [MPa]'
     """
     largest = scale * max(float(field.values.max()) for field in fields)
     norm = Normalize(0.0, largest or 1.0)
@@ -51,7 +71,7 @@ def draw_fields(
         patches.append(Patch(facets, numbers, COLOR_MAP(norm(scale * values))[:, :3]))
     whole = Scene(patches, scene.lines, scene.markers, scene.masses) if scene else Scene(patches)
     figure = draw_scene(whole)
-    (length, height), (bottom, below) = BAR, MARGINS
+    (length, height), (bottom, below) = COLOR_BAR_SIZE, COLOR_BAR_ROOM
     add_room(figure, below=below)
     wide, high = figure.get_size_inches()
     with style():

@@ -11,27 +11,32 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..superelement.validation import Array
-from .camera import ISO, UP, axes_towards
-from .picture import PANEL_HEIGHT, WIDTH, entitle, panels, style
+from .camera import ISOMETRIC_EYE, UPWARD, axes_towards
+from .picture import PANEL_HEIGHT, PICTURE_WIDTH, entitle, panels, style
 from .styles import COLORS
 
-SWING = 0.15
-"""the largest motion of a shape, relative to the size of the mechanism"""
-NOTHING = 1e-12
-"""of the largest response: those below are rounding, and are not drawn"""
-LEGEND_LINE = 0.17
-"""[inch]"""
-BEYOND_ORDERS = 1.25
-"""frequencies that are drawn, over those that engine orders reach"""
-TOP_MARGIN = 1.08
-"""top of a diagram over its highest frequency"""
-MARKS = {"forward": "-", "backward": "--", "none": ":"}
-"""lines of the kinds of whirl"""
+# Of the size of the mechanism: a shape is to be seen, and the mechanism to be known again.
+LARGEST_SHAPE_SHARE = 0.15
+# Relative to the largest response: what is below is rounding, and would stretch the axis.
+RESPONSE_ROUNDING = 1e-12
+LEGEND_LINE_HEIGHT = 0.17  # [inch]
+# Lines just above the reach of engine orders are those that a designer asks about next.
+DRAWN_BEYOND_ORDERS = 1.25
+# Over the highest frequency, or its line would lie on the frame.
+DIAGRAM_TOP_MARGIN = 1.08
+# Dashes beside colors, so that the kinds are told apart in print too.
+WHIRL_LINES = {"forward": "-", "backward": "--", "none": ":"}
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseCurve:
-    """A frequency response (n,) complex with its name and unit."""
+    """A frequency response with its name and unit, see `draw_response` for an example.
+
+    Parameters
+    ----------
+    name, unit : str
+    values : (n,) complex
+    """
 
     name: str
     unit: str
@@ -39,12 +44,29 @@ class ResponseCurve:
 
 
 def draw_response(frequencies: Array, curves: Sequence[ResponseCurve], title: str = "") -> Figure:
-    """Magnitudes and phases over frequencies (n,) [Hz]."""
+    """Draw magnitudes and phases of frequency responses.
+
+    Parameters
+    ----------
+    frequencies : (n,) [Hz]
+    curves : sequence of ResponseCurve
+    title : str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> f = np.geomspace(1.0, 100.0, 200)
+    >>> oscillator = view.ResponseCurve("tip by load", "m / N", 1.0 / (100.0 - f**2 + 0.5j * f))
+    >>> magnitude, phase = view.draw_response(f, [oscillator]).axes
+    >>> phase.get_ylabel()
+    'phase [°]'
+    """
     figure, (size, phase) = panels(2)
     seen = [curve for curve in curves if np.abs(curve.values).max(initial=0.0) > 0.0]
     largest = max((float(np.abs(curve.values).max()) for curve in seen), default=1.0)
-    seen = [curve for curve in seen if np.abs(curve.values).max() > NOTHING * largest]
-    figure.set_figheight(2.0 * PANEL_HEIGHT + LEGEND_LINE * len(seen))
+    seen = [curve for curve in seen if np.abs(curve.values).max() > RESPONSE_ROUNDING * largest]
+    figure.set_figheight(2.0 * PANEL_HEIGHT + LEGEND_LINE_HEIGHT * len(seen))
     with style():
         for curve in seen:
             name = f"{curve.name} [{curve.unit}]"
@@ -67,7 +89,13 @@ def draw_response(frequencies: Array, curves: Sequence[ResponseCurve], title: st
 
 @dataclass(frozen=True, eq=False)
 class CampbellLine:
-    """Frequencies (n,) [Hz] of a mode over the spins, and its whirl."""
+    """A mode over the spins, see `draw_campbell` for an example.
+
+    Parameters
+    ----------
+    whirl : {"forward", "backward", "none"}
+    frequencies : (n,) [Hz]
+    """
 
     whirl: str
     frequencies: Array
@@ -80,16 +108,34 @@ def draw_campbell(
     crossings: Sequence[tuple[float, float]] = (),
     title: str = "",
 ) -> Figure:
-    """Frequencies over spins (n,) [rad/s], with engine orders.
+    """Draw frequencies over the spin, with engine orders.
 
-    crossings: pairs of a spin [rad/s] and a frequency [Hz], which are marked.
+    Parameters
+    ----------
+    spins : (n,) [rad/s]
+    lines : sequence of CampbellLine
+    orders : sequence of float
+        Times a revolution.
+    crossings : sequence of (float, float) [rad/s, Hz]
+        Spins and frequencies that are marked.
+    title : str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> spins = np.linspace(0.0, 300.0, 4)
+    >>> lines = [view.CampbellLine("forward", 40.0 + 0.05 * spins)]
+    >>> figure = view.draw_campbell(spins, lines, crossings=[(257.0, 40.9)])
+    >>> figure.axes[0].get_xlabel()
+    'spin [turns per second]'
     """
     figure, (axes,) = panels(1)
-    figure.set_size_inches(WIDTH, 2.0 * PANEL_HEIGHT)
+    figure.set_size_inches(PICTURE_WIDTH, 2.0 * PANEL_HEIGHT)
     turns = spins / (2.0 * np.pi)
     with style():
         highest = _band_of_interest(spins, lines, orders)
-        top = TOP_MARGIN * highest
+        top = DIAGRAM_TOP_MARGIN * highest
         named: set[str] = set()
         for line in lines:
             if np.nanmin(line.frequencies) > top:
@@ -97,8 +143,8 @@ def draw_campbell(
             label = line.whirl if line.whirl not in named else None
             label = {"none": "no whirl"}.get(line.whirl, line.whirl) if label else None
             named.add(line.whirl)
-            color = COLORS[list(MARKS).index(line.whirl)]
-            axes.plot(turns, line.frequencies, MARKS[line.whirl], color=color, label=label)
+            color = COLORS[list(WHIRL_LINES).index(line.whirl)]
+            axes.plot(turns, line.frequencies, WHIRL_LINES[line.whirl], color=color, label=label)
         for order in orders:
             axes.plot(turns, order * turns, color="0.6", linewidth=0.8)
             end = min(turns[-1], 1.05 * highest / order)
@@ -128,7 +174,7 @@ def _band_of_interest(
 
     A little beyond what the orders reach, but at least the lowest line that they do not reach.
     """
-    reached = BEYOND_ORDERS * max(orders, default=1.0) * float(spins[-1]) / (2.0 * np.pi)
+    reached = DRAWN_BEYOND_ORDERS * max(orders, default=1.0) * float(spins[-1]) / (2.0 * np.pi)
     lowest = sorted(float(np.nanmin(line.frequencies)) for line in lines)
     tops = sorted(float(np.nanmax(line.frequencies)) for line in lines)
     above = next((frequency for frequency in lowest if frequency > reached), 0.0)
@@ -137,16 +183,39 @@ def _band_of_interest(
 
 @dataclass(frozen=True, eq=False)
 class ModeShape:
-    """A mode of a mechanism: its title, and of each body points (p, 3), motion (p, 3) and edges."""
+    """A mode of a mechanism, see `draw_shapes` for an example.
+
+    Parameters
+    ----------
+    title : str
+    bodies : sequence of (points, motion, edges)
+        Of each body: points (p, 3) [m], their complex motion (p, 3), and edges (e, 2) of points.
+    """
 
     title: str
     bodies: Sequence[tuple[Array, Any, NDArray[np.int64]]]
 
 
 def draw_shapes(shapes: Sequence[ModeShape], title: str = "") -> Figure:
-    """Two modes a row: the mechanism as it is in gray, and moved by each mode."""
+    """Draw two modes a row: the mechanism as it is in gray, and moved by each mode.
+
+    Parameters
+    ----------
+    shapes : sequence of ModeShape
+    title : str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    >>> motion = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> mode = view.ModeShape("1: 50 Hz", [(points, motion, np.array([[0, 1]]))])
+    >>> view.draw_shapes([mode]).axes[0].get_title(loc="left")
+    '1: 50 Hz'
+    """
     figure, axes = panels(-(-len(shapes) // 2), 2, share_time=False)
-    camera = axes_towards(ISO, UP)[:2]
+    camera = axes_towards(ISOMETRIC_EYE, UPWARD)[:2]
     with style():
         for axis, shape in zip(axes, shapes, strict=False):
             _draw_shape(axis, shape, camera)
@@ -161,7 +230,7 @@ def _draw_shape(axes: Axes, shape: ModeShape, camera: Array) -> None:
     motion = np.vstack([body[1] for body in shape.bodies])
     size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
     largest = motion.ravel()[np.argmax(np.abs(motion))]
-    factor = SWING * size / largest if abs(largest) > 0.0 else 0.0
+    factor = LARGEST_SHAPE_SHARE * size / largest if abs(largest) > 0.0 else 0.0
     for still, moved, edges in shape.bodies:
         for where, color, width in (
             (still, "0.75", 0.8),

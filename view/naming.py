@@ -5,29 +5,18 @@ stands without its kind is a letter alone.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
 
 from ..results import Results
 from ..results.quantities import ENERGY_LABELS, KINDS_BY_NAME, words
 from ..results.transforms import Series
+from .curve import Curve
 
-PLACES = {"position", "displacement", "elastic displacement"}
-"""kinds of which two make a way in space"""
-UNFILTERED = "unfiltered"
-"""a curve of which nothing was made, beside those of which something was"""
-OF_A_BODY = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
-"""what is named BODY.NAME"""
-
-
-class Named(Protocol):
-    """What has a name: a curve."""
-
-    @property
-    def words(self) -> tuple[str, ...]: ...
-    @property
-    def along(self) -> str: ...
-    @property
-    def run(self) -> str: ...
+# Of which two make a way in space.
+PLACE_KINDS = {"position", "displacement", "elastic displacement"}
+# A curve of which nothing was made, beside those of which something was.
+UNFILTERED_LABEL = "unfiltered"
+# What is named BODY.NAME.
+ROLES_OF_BODIES = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
 
 
 def kind(found: Series) -> str:
@@ -47,7 +36,7 @@ def owner(results: Results, found: Series) -> str:
     roles = KINDS_BY_NAME[found.kind].names
     names = [
         name.replace(".", " ", 1)
-        if name not in results.bodies and set(role.split("|")) & set(OF_A_BODY)
+        if name not in results.bodies and set(role.split("|")) & set(ROLES_OF_BODIES)
         else name
         for role, name in zip(roles, found.names, strict=True)
     ]
@@ -61,14 +50,32 @@ def unit(found: Series) -> str:
     return found.unit
 
 
-def in_full(curve: Named) -> str:
+def in_full(curve: Curve) -> str:
     """ "hub, angular velocity about z"."""
     title, _ = title_and_labels([curve])
     return title
 
 
-def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
-    """What all curves share, and what tells each from the others ("" if nothing does)."""
+def title_and_labels(curves: Sequence[Curve]) -> tuple[str, list[str]]:
+    """Find what all curves share, and what tells each from the others ("" if nothing does).
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+
+    Returns
+    -------
+    title : str
+    labels : list of str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> x, y = (view.Curve(("velocity", "hub", axis), "m/s", np.ones(3)) for axis in "xy")
+    >>> view.title_and_labels([x, y])
+    ('hub, velocity', ['x', 'y'])
+    """
     rows = [[curve.run, *curve.words[:3], *_parts(curve.words[3:])] for curve in curves]
     longest = max(map(len, rows))
     rows = [[*row, *[""] * (longest - len(row))] for row in rows]
@@ -78,7 +85,7 @@ def title_and_labels(curves: Sequence[Named]) -> tuple[str, list[str]]:
     own = [not is_shared for is_shared in shared]
     labels = [_joined(row, own, curve.along) for row, curve in zip(rows, curves, strict=True)]
     if any(labels):
-        labels = [label or UNFILTERED for label in labels]
+        labels = [label or UNFILTERED_LABEL for label in labels]
     return title, labels
 
 

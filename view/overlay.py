@@ -7,11 +7,11 @@ import numpy as np
 
 from ..results.transforms import Window
 from ..superelement.validation import Array
+from .curve import PLANE_PAPERS, Curve
 from .errors import PictureError
-from .quantities import PLANES, Curve
 
-SIMULATED = "simulated"
-"""the curves of a single run, beside measured ones"""
+# The curves of a single run have no name of their own beside measured ones.
+SIMULATED_LABEL = "simulated"
 
 
 def overlaid(
@@ -21,14 +21,35 @@ def overlaid(
     values: Array,
     window: Window | None = None,
 ) -> list[Curve]:
-    """The curves of a panel and a measured one, in their unit and over what they are over.
+    """Add a measured curve to a panel, in its unit and over what its curves are over.
 
-    name: in the legend; abscissa (n,): times [s], or frequencies [Hz] of a spectrum; values (n,);
-    window: from and to, of times. `PictureError` for one quantity against another, and where
-    nothing is within the window.
+    Parameters
+    ----------
+    curves : sequence of Curve
+    name : str
+        In the legend.
+    abscissa : (n,) [s or Hz]
+        Times, or frequencies of a spectrum.
+    values : (n,)
+    window : (float, float) [s], optional
+        From and to, of times.
+
+    Raises
+    ------
+    PictureError
+        For a panel of one quantity against another, and where nothing is within the window.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> computed = view.Curve(("velocity", "hub", "x"), "m/s", np.ones(3))
+    >>> both = view.overlaid([computed], "test.csv", np.array([0.0, 1.0]), np.array([0.9, 1.1]))
+    >>> [curve.run for curve in both]
+    ['simulated', 'test.csv']
     """
     first = curves[0]
-    if first.paper in PLANES:
+    if first.paper in PLANE_PAPERS:
         raise PictureError(f"{name}: expected a panel over time or frequency, found a plane")
     if window is not None and first.base == "s":
         within = (abscissa >= window[0]) & (abscissa <= window[1])
@@ -37,7 +58,7 @@ def overlaid(
         abscissa, values = abscissa[within], values[within]
     if not np.isfinite(values).all():
         raise PictureError(f"{name}: expected finite values")
-    simulated = [curve if curve.run else replace(curve, run=SIMULATED) for curve in curves]
+    simulated = [curve if curve.run else replace(curve, run=SIMULATED_LABEL) for curve in curves]
     longest = max(len(curve.words) for curve in curves)
     columns = zip(*(_padded(curve.words, longest) for curve in curves), strict=True)
     shared = tuple(column[0] if len(set(column)) == 1 else "" for column in columns)

@@ -8,23 +8,27 @@ import numpy as np
 from ..results import QuantityError, Results
 from ..results.quantities import AXES
 from ..superelement.validation import Array
-from .quantities import Curve, curves
+from .curve import Curve
+from .quantities import curves
 
-MOST_CURVES, MOST_PANELS = 6, 6
+# More lines cannot be told apart, and more panels not be seen at once.
+MAX_CURVES = 6
+MAX_PANELS = 6
 
-VISIBLE = 0.01
-"""the least peak of a curve beside the largest one in its panel"""
-STILL = 1e-12
-"""the largest range of a coordinate, or value of what it is the rate or force of, that is none"""
+# Of the largest curve of a panel: smaller ones would lie on the axis.
+LEAST_PEAK_SHARE = 0.01
+# Ranges of coordinates below are rounding, in any unit that models of machines have.
+LEAST_MOTION = 1e-12
 
-SEEN = 0.1
-"""the least range of a position over that of its panel, for its motion to be seen"""
+# Of the range of a panel: a position that changes less looks like a level.
+LEAST_RANGE_SHARE = 0.1
 
-NOT_MOTION = ("friction", "friction_state")
-"""coordinates of joints that are none"""
-READINGS = ("strain", "stress", "sensor_acceleration", "sensor_displacement")
-"""of sensors, those that are shown first"""
-NOT_SHOWN = ("balance", "modal", "compliance_work", "modal_loss", "modal_damping")
+# Joints have them as coordinates, but they are forces and states.
+FRICTION_COORDINATES = ("friction", "friction_state")
+# In the order in which they are looked for: gauges are placed for what matters most.
+READING_KINDS = ("strain", "stress", "sensor_acceleration", "sensor_displacement")
+# The balance has a panel of its own, and the others are parts of those that are shown.
+HIDDEN_ENERGIES = ("balance", "modal", "compliance_work", "modal_loss", "modal_damping")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,21 +40,41 @@ class Candidate:
 
 
 def overview(results: Results) -> list[list[Curve]]:
-    """At most six panels of what moved, what pushed, and of energies.
+    """Choose at most six panels of what moved, what pushed, and of energies.
 
     In this order, as far as it was recorded and is not zero: coordinates of joints, angles and
     distances, or where no joint has a coordinate that moves the positions of bodies, velocities if
-    these hardly change; forces of
-    motors; normal forces of contacts and stops; elastic displacements of interfaces; what sensors
-    read; angular velocities, or velocities if nothing turns; gaps; energies; their balance. Of more
-    than six panels the energies stay, and the first ones. Of many curves the largest are shown, of
-    positions those with the largest range. QuantityError if nothing is left.
+    these hardly change; forces of motors; normal forces of contacts and stops; elastic
+    displacements of interfaces; what sensors read; angular velocities, or velocities if nothing
+    turns; gaps; energies; their balance. Of more than six panels the energies stay, and the first
+    ones. Of many curves the largest are shown, of positions those with the largest range.
+
+    Raises
+    ------
+    QuantityError
+        If nothing is left.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> [view.title_and_labels(panel)[0] for panel in view.overview(results)]
+    ['ball, position along z', 'ball, velocity along z', 'energy', 'energy balance']
     """
     return [[candidate.curve for candidate in panel] for panel in _panels(results)]
 
 
 def overview_quantities(results: Results) -> list[list[str]]:
-    """The quantities of these panels."""
+    """Name the quantities of the panels of `overview`, which see for an example.
+
+    Returns
+    -------
+    list of list of str
+        As `duhamel plot` has them.
+    """
     return [[candidate.quantity for candidate in panel] for panel in _panels(results)]
 
 
@@ -65,13 +89,13 @@ def _panels(results: Results) -> list[list[Candidate]]:
         _speeds(results, travel),
         _of_one_unit(_gaps(results)),
     ]
-    names = [name for name in results.energies if name not in NOT_SHOWN]
+    names = [name for name in results.energies if name not in HIDDEN_ENERGIES]
     energies = [
         _largest(_scalars(results, "energy", names), _peak, still=0.0),
         _scalars(results, "energy", ["balance"] if "balance" in results.energies else []),
     ]
     energies = [panel for panel in energies if panel]
-    motion = [panel for panel in motion if panel][: MOST_PANELS - len(energies)]
+    motion = [panel for panel in motion if panel][: MAX_PANELS - len(energies)]
     if not motion and not energies:
         raise QuantityError("there is nothing that is shown unasked: name quantities")
     return [*motion, *energies]
@@ -86,7 +110,7 @@ def _travel(results: Results) -> list[list[Candidate]]:
 
     Positions that change little beside what they are would be levels: velocities then.
     """
-    moved = [one for one in _coordinates(results) if _range(one.curve.values) > STILL]
+    moved = [one for one in _coordinates(results) if _range(one.curve.values) > LEAST_MOTION]
     units = sorted({one.curve.unit for one in moved}, reverse=True)
     if units:
         return [
@@ -95,7 +119,7 @@ def _travel(results: Results) -> list[list[Candidate]]:
     positions = _largest(_vectors(results, "position", results.bodies), _range)
     ranges = [_range(one.curve.values) for one in positions]
     span = np.ptp(np.concatenate([one.curve.values for one in positions] or [np.zeros(1)]))
-    if max(ranges, default=0.0) > SEEN * span:
+    if max(ranges, default=0.0) > LEAST_RANGE_SHARE * span:
         return [positions]
     return [_largest(_vectors(results, "velocity", results.bodies), _peak)]
 
@@ -106,7 +130,7 @@ def _coordinates(results: Results) -> list[Candidate]:
         candidate
         for joint in results.joints
         for name in results.joint(joint).coordinates
-        if not name.endswith("_rate") and name not in NOT_MOTION
+        if not name.endswith("_rate") and name not in FRICTION_COORDINATES
         for candidate in _scalars(results, f"coordinate:{joint}", [name])
     ]
 
@@ -128,7 +152,7 @@ def _gaps(results: Results) -> list[Candidate]:
 
 def _readings(results: Results) -> list[Candidate]:
     """Of the first kind that the sensors read."""
-    for kind in READINGS:
+    for kind in READING_KINDS:
         found: list[Candidate] = []
         for sensor in results.sensors:
             try:
@@ -176,13 +200,13 @@ def _range(values: Array) -> float:
 
 
 def _largest(
-    candidates: Sequence[Candidate], size: Callable[[Array], float], still: float = STILL
+    candidates: Sequence[Candidate], size: Callable[[Array], float], still: float = LEAST_MOTION
 ) -> list[Candidate]:
     """Those that are seen beside the largest; none where none moves."""
     sizes = np.array([size(candidate.curve.values) for candidate in candidates])
     chosen = [
         i
-        for i in np.argsort(-sizes, kind="stable")[:MOST_CURVES]
-        if sizes[i] >= max(VISIBLE * sizes.max(), still)
+        for i in np.argsort(-sizes, kind="stable")[:MAX_CURVES]
+        if sizes[i] >= max(LEAST_PEAK_SHARE * sizes.max(), still)
     ]
     return [candidates[i] for i in sorted(chosen)]

@@ -16,15 +16,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ..files.outputs import in_words, renamed_when_whole
+from ..files.outputs import renamed_when_whole
 from ..superelement.validation import Array
 from . import naming, planes, spectra
-from .errors import PictureError
-from .prefixes import PREFIXES, exponent_of, with_unit
-from .quantities import PLANES, Curve
+from .curve import PLANE_PAPERS, Curve
+from .errors import PictureError, require_target
+from .prefixes import UNIT_PREFIXES, exponent_of, with_unit
 from .styles import COLORS, styles
 
-STYLE: dict[Any, Any] = {
+PICTURE_STYLE: dict[Any, Any] = {
     "axes.edgecolor": "0.35",
     "axes.formatter.limits": (-4, 5),
     "axes.formatter.use_mathtext": True,
@@ -50,32 +50,43 @@ STYLE: dict[Any, Any] = {
     "ytick.labelcolor": "black",
 }
 
-WIDTH, PANEL_HEIGHT = 7.0, 2.2
-"""[inch]"""
+PICTURE_WIDTH = 7.0  # [inch]
+PANEL_HEIGHT = 2.2  # [inch]
 
-HEIGHTS = {"tripartite": 1.8, "plane": 1.6, "space": 1.8}
-"""of panels of other papers than lines, over that of theirs"""
+# Of panels of other papers than lines, over that of theirs: decades and lengths are as long up as
+# across.
+RELATIVE_HEIGHTS = {"tripartite": 1.8, "plane": 1.6, "space": 1.8}
 
-LEGEND_LINE = 0.19
-"""height [inch]"""
+LEGEND_LINE_HEIGHT = 0.19  # [inch]
 
-LONGEST_LINE, LONGEST_LABEL = 100, 34
-"""characters of a line of the title of a panel, and of a legend"""
+# Characters, which fit at this size of letters: longer ones are folded.
+MAX_TITLE_LINE = 100
+MAX_LEGEND_LINE = 34
 
 DOTS_PER_INCH = 110
-LINES, FINE_DOTS = ("pdf", "svg", "svgz", "eps", "ps"), 300
-"""files of lines, and the dots per inch of pictures within them"""
+# Such files are printed: the pictures of surfaces within them are to be as sharp as their lines.
+VECTOR_SUFFIXES = ("pdf", "svg", "svgz", "eps", "ps")
+VECTOR_DOTS_PER_INCH = 300
 
-LONGEST_TITLE = 300
-"""characters: layout takes time with the square of their number"""
+# Characters: layout takes time with the square of their number.
+MAX_TITLE = 300
 
-STEADY = 1e-4
-"""the least span of the ordinate of a panel, relative to its largest value"""
+# Relative to the largest value of a panel: closer, a level would look like noise.
+LEAST_ORDINATE_SPAN = 1e-4
 
 
 def style() -> AbstractContextManager[None]:
-    """The style of all pictures, for figures that are drawn by hand: `with style(): ...`."""
-    return matplotlib.rc_context(STYLE)
+    """Draw in the style of all pictures: `with style(): ...`.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import matplotlib
+    >>> with view.style():
+    ...     matplotlib.rcParams["axes.titlelocation"]
+    'left'
+    """
+    return matplotlib.rc_context(PICTURE_STYLE)
 
 
 def panels(
@@ -84,11 +95,34 @@ def panels(
     share_time: bool = True,
     heights: Sequence[float] | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    """An empty figure and its panels, row by row; heights (rows,): over the usual one."""
+    """Make an empty figure with its panels, row by row.
+
+    Parameters
+    ----------
+    rows, columns : int
+    share_time : bool
+        Whether all panels zoom together.
+    heights : (rows,), optional
+        Over the usual one.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : list of matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> figure, (upper, lower) = view.panels(2)
+    >>> lines = upper.plot([0.0, 1.0], [0.0, 1.0])
+    """
     heights = [1.0] * rows if heights is None else heights
     with style():
         figure = Figure(
-            figsize=(WIDTH if columns == 1 else 1.3 * WIDTH, PANEL_HEIGHT * sum(heights)),
+            figsize=(
+                PICTURE_WIDTH if columns == 1 else 1.3 * PICTURE_WIDTH,
+                PANEL_HEIGHT * sum(heights),
+            ),
             layout="constrained",
         )
         axes: Any = figure.subplots(
@@ -98,11 +132,24 @@ def panels(
 
 
 def entitle(figure: Figure, title: str) -> Text:
-    """A title at the upper left of a figure."""
+    """Put a title at the upper left of a figure.
+
+    Raises
+    ------
+    PictureError
+        For one that is too long, or cannot be printed.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> figure, _ = view.panels(1)
+    >>> view.entitle(figure, "Case 1").get_text()
+    'Case 1'
+    """
     shown = title.encode("utf-8", "replace").decode("utf-8")
-    if len(shown) > LONGEST_TITLE or not shown.isprintable():
+    if len(shown) > MAX_TITLE or not shown.isprintable():
         raise PictureError(
-            f"title: expected a line of at most {LONGEST_TITLE} printable characters, "
+            f"title: expected a line of at most {MAX_TITLE} printable characters, "
             f"found {len(shown)}: {shown[:20]!r}"
         )
     return figure.suptitle(shown, x=0.01, ha="left", fontweight="bold", parse_math=False)
@@ -119,10 +166,30 @@ def add_room(figure: Figure, above: float = 0.0, below: float = 0.0) -> None:
 
 
 def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> Figure:
-    """A panel for each list of curves, which must have one unit.   time (n,)
+    """Draw a panel for each list of curves, which must have one unit.
 
     The words that all curves of a panel share stand above it, the others in its legend.
-    Raises PictureError where units differ, or what the curves are over.
+
+    Parameters
+    ----------
+    time : (n,) [s]
+        Of curves without an abscissa of their own.
+    contents : sequence of sequence of Curve
+    title : str
+
+    Raises
+    ------
+    PictureError
+        Where units differ in a panel, or what its curves are over.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> curve = view.Curve(("velocity", "hub", "x"), "m/s", np.ones(3), along="along")
+    >>> figure = view.draw(np.array([0.0, 1.0, 2.0]), [[curve]], "Case 1")
+    >>> figure.axes[0].get_title(loc="left")
+    'hub, velocity along x'
     """
     for curves in contents:
         _check_panel(curves)
@@ -133,7 +200,7 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
         for axis, curves, is_over_time in zip(axes, contents, of_time, strict=True):
             if is_over_time:
                 _fill(axis, time, curves, exponent)
-            elif curves[0].paper in PLANES:
+            elif curves[0].paper in PLANE_PAPERS:
                 planes.fill(axis, curves)
             else:
                 spectra.fill(axis, curves)
@@ -141,13 +208,13 @@ def draw(time: Array, contents: Sequence[Sequence[Curve]], title: str = "") -> F
             _name(axis, curves)
         for n, axis in enumerate(axes):
             if of_time[n] and not (n + 1 < len(axes) and of_time[n + 1]):
-                axis.set_xlabel(f"time [{PREFIXES[exponent]}s]")
+                axis.set_xlabel(f"time [{UNIT_PREFIXES[exponent]}s]")
         entitle(figure, title)
     return figure
 
 
 def _is_over_time(curves: Sequence[Curve]) -> bool:
-    return curves[0].base == "s" and curves[0].paper not in PLANES
+    return curves[0].base == "s" and curves[0].paper not in PLANE_PAPERS
 
 
 def _last(time: Array, contents: Sequence[Sequence[Curve]]) -> float:
@@ -168,41 +235,48 @@ def _heights(contents: Sequence[Sequence[Curve]]) -> list[float]:
     heights = []
     for curves in contents:
         _, labels = naming.title_and_labels(curves)
-        lines = 2 + sum(len(wrap(label, LONGEST_LABEL)) for label in labels)
-        least = lines * LEGEND_LINE / PANEL_HEIGHT
-        heights.append(max(HEIGHTS.get(curves[0].paper, 1.0), least))
+        lines = 2 + sum(len(wrap(label, MAX_LEGEND_LINE)) for label in labels)
+        least = lines * LEGEND_LINE_HEIGHT / PANEL_HEIGHT
+        heights.append(max(RELATIVE_HEIGHTS.get(curves[0].paper, 1.0), least))
     return heights
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a picture in the format of its suffix.
+    """Write a picture in the format of its suffix, whole or not at all.
 
-    PictureError if there is no such format or folder, or no room for the panels.
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    path : path
+        .png, .svg, .pdf and others that matplotlib knows.
+
+    Raises
+    ------
+    PictureError
+        If there is no such format or folder, or no room for the panels.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> figure, _ = view.panels(1)
+    >>> view.save(figure, "empty.png")
     """
     path = Path(path)
-    formats = figure.canvas.get_supported_filetypes()
-    if (suffix := path.suffix.removeprefix(".").lower()) not in formats:
-        raise PictureError(
-            f"{path}: expected a suffix of {', '.join(sorted(formats))}, found {path.suffix!r}"
-        )
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
+    formats = sorted(figure.canvas.get_supported_filetypes())
+    suffix = require_target(path, [f".{name}" for name in formats]).removeprefix(".")
     image = io.BytesIO()
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message="constrained_layout not applied")
         try:
-            dots = FINE_DOTS if suffix in LINES else DOTS_PER_INCH
+            dots = VECTOR_DOTS_PER_INCH if suffix in VECTOR_SUFFIXES else DOTS_PER_INCH
             figure.savefig(image, format=suffix, dpi=dots)
         except UserWarning as error:
             wide, high = figure.get_size_inches()
             raise PictureError(
                 f"{path}: {wide:g}x{high:g} inches are too small for its panels and legends"
             ) from error
-    try:
-        with renamed_when_whole(path) as whole:
-            whole.write_bytes(image.getbuffer())
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
+    with renamed_when_whole(path, failure=PictureError) as whole:
+        whole.write_bytes(image.getbuffer())
 
 
 def _check_panel(curves: Sequence[Curve]) -> None:
@@ -214,7 +288,7 @@ def _check_panel(curves: Sequence[Curve]) -> None:
         several = " and ".join(f"{words} [{unit}]" for unit, words in units.items())
         raise PictureError(f"expected curves of one unit in a panel, found {several}")
     papers = {curve.paper: naming.in_full(curve) for curve in curves}
-    if len(papers) > 1 and not papers.keys() <= set(PLANES):
+    if len(papers) > 1 and not papers.keys() <= set(PLANE_PAPERS):
         several = " and ".join(papers.values())
         raise PictureError(f"expected curves over time or of one kind of spectrum, found {several}")
     bases = {curve.base: naming.in_full(curve.across or curve) for curve in curves}
@@ -230,18 +304,18 @@ def _fill(axes: Axes, time: Array, curves: Sequence[Curve], time_exponent: int) 
         at = time if curve.abscissa is None else curve.abscissa
         marker = "o" if len(at) == 1 else None
         axes.plot(at / 10.0**time_exponent, curve.values / 10.0**exponent, marker=marker, **look)
-    _widen(axes, STEADY * peak / 10.0**exponent)
-    axes.set_ylabel(with_unit(curves[0].ordinate, PREFIXES[exponent], curves[0].unit))
+    _widen(axes, LEAST_ORDINATE_SPAN * peak / 10.0**exponent)
+    axes.set_ylabel(with_unit(curves[0].ordinate, UNIT_PREFIXES[exponent], curves[0].unit))
 
 
 def _name(axes: Axes, curves: Sequence[Curve]) -> None:
     """What the curves share as title, and the rest as legend."""
     title, labels = naming.title_and_labels(curves)
-    if curves[0].paper not in PLANES:  # where it stands beside the axes
-        axes.set_title(fill(title, LONGEST_LINE), parse_math=False)
+    if curves[0].paper not in PLANE_PAPERS:  # where it stands beside the axes
+        axes.set_title(fill(title, MAX_TITLE_LINE), parse_math=False)
     if any(labels):
         lines = axes.lines[: len(curves)]
-        folded = [fill(label, LONGEST_LABEL) for label in labels]
+        folded = [fill(label, MAX_LEGEND_LINE) for label in labels]
         legend = axes.legend(lines, folded, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         for text in legend.get_texts():
             text.set_parse_math(False)

@@ -9,12 +9,13 @@ from matplotlib.axes import Axes
 
 from ..superelement.validation import Array
 from . import naming
-from .prefixes import PREFIXES, exponent_of, with_unit
-from .quantities import Curve
+from .curve import Curve
+from .prefixes import UNIT_PREFIXES, exponent_of, with_unit
 from .styles import styles
 
-ACROSS, UP = 90, 40
-"""characters of a line beside an axis"""
+# Characters of a line beside an axis; longer ones are folded.
+MAX_ABSCISSA_LINE = 90
+MAX_ORDINATE_LINE = 40
 
 
 def fill(axes: Axes, curves: Sequence[Curve]) -> None:
@@ -36,8 +37,8 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
     if is_way:
         axes.set_aspect("equal", adjustable="datalim")
     over = [curve.across for curve in curves if curve.across is not None]
-    _label(axes.set_xlabel, over, PREFIXES[right], ACROSS)
-    _label(axes.set_ylabel, curves, PREFIXES[high], UP)
+    _label(axes.set_xlabel, over, UNIT_PREFIXES[right], MAX_ABSCISSA_LINE)
+    _label(axes.set_ylabel, curves, UNIT_PREFIXES[high], MAX_ORDINATE_LINE)
 
 
 def _over(curve: Curve) -> Array:

@@ -1,7 +1,5 @@
 """Quantities of results as curves: one number over time, over frequency, or over another one."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..results import QuantityError, Results
@@ -9,57 +7,52 @@ from ..results.quantities import KINDS_BY_NAME
 from ..results.transforms import IN_G, TIME, Series, Window, in_g, series
 from ..superelement.validation import Array
 from . import naming
+from .curve import Curve
 
-NEGLIGIBLE = 1e-6
-"""a component this much smaller than the largest one is rounding, or as good as zero in a picture
-"""
+# Of the largest component: smaller ones are rounding, or as good as zero in a picture.
+NEGLIGIBLE_SHARE = 1e-6
 
-AGAINST = " against "
-"""what stands between two quantities of which one is drawn over the other"""
-PLANES = ("plane", "space")
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """One number over time, over frequency, or over another number.
-
-    words: its kind, its owners, its axis, what was made of it.
-    """
-
-    words: tuple[str, ...]
-    unit: str
-    values: Array
-    """(n,)"""
-    abscissa: Array | None = None
-    """(n,), unless it is the time of all curves of a picture"""
-    base: str = "s"
-    """the unit of the abscissa, s or Hz, or that of another quantity"""
-    ordinate: str = ""
-    """what the values are, where the kind does not say it"""
-    paper: str = "lines"
-    """lines, log, bands or tripartite; of two quantities plane, or space for a way in space"""
-    along: str = ""
-    """what stands between the kind and the axis: "about" """
-    run: str = ""
-    """the name of its run, where there are several"""
-    across: "Curve | None" = None
-    """the quantity of its abscissa, if that is one"""
-    band: float = np.inf
-    """of a spectrum: the frequency up to which the superelement is right [Hz]"""
+# Stands between two quantities of which one is drawn over the other.
+AGAINST_WORD = " against "
 
 
 def curves(
     results: Results, quantity: str, gravities: bool = False, window: Window | None = None
 ) -> list[Curve]:
-    """The curves of a quantity, as angular_velocity:hub:z, of what is made of one, as
-    srs(acceleration:hub:z), or of one against another, as "position:tip:y against position:tip:x".
+    """Evaluate a quantity as curves.
 
     Without an axis, a vector gives the curves of those axes along which it is not zero.
-    gravities: accelerations in g; window: from and to [s], cut before anything is made of it.
-    QuantityError names the quantity and lists those there are; SeriesError says why something
-    cannot be made of it.
+
+    Parameters
+    ----------
+    results : Results
+    quantity : str
+        As angular_velocity:hub:z, what is made of one, as srs(acceleration:hub:z), or one against
+        another, as "position:tip:y against position:tip:x".
+    gravities : bool
+        Accelerations in g.
+    window : (float, float) [s], optional
+        From and to, cut before anything is made of it.
+
+    Raises
+    ------
+    QuantityError
+        Names the quantity and lists those there are.
+    SeriesError
+        Says why something cannot be made of it.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> (curve,) = view.curves(results, "velocity:ball")
+    >>> curve.words, curve.unit, curve.values[-1]
+    (('velocity', 'ball', 'z'), 'm/s', np.float64(-10.0))
     """
-    if AGAINST in quantity:
+    if AGAINST_WORD in quantity:
         return [_against(results, quantity, gravities, window)]
     found = _series(results, quantity, gravities, window)
     axes = found.axes or (found.axis,)
@@ -88,11 +81,11 @@ def _series(results: Results, quantity: str, gravities: bool, window: Window | N
 
 def _against(results: Results, text: str, gravities: bool, window: Window | None) -> Curve:
     """One number over another at the same times."""
-    y, x = (_one(results, part.strip(), gravities, window) for part in text.split(AGAINST, 1))
+    y, x = (_one(results, part.strip(), gravities, window) for part in text.split(AGAINST_WORD, 1))
     if not np.array_equal(x[0], y[0]):
         raise QuantityError(f"{text}: expected two quantities at the same times")
     (_, over), (_, curve) = x, y
-    is_way = over.unit == curve.unit and {over.words[0], curve.words[0]} <= naming.PLACES
+    is_way = over.unit == curve.unit and {over.words[0], curve.words[0]} <= naming.PLACE_KINDS
     return Curve(
         curve.words,
         curve.unit,
@@ -124,6 +117,8 @@ def _moving_axes(axes: tuple[str, ...], values: Array) -> tuple[str, ...]:
     """The axes along which vectors (n, axes) are not negligible; all if they are zero."""
     peaks = np.abs(values).max(axis=0)
     moving = [
-        axis for axis, peak in zip(axes, peaks, strict=True) if peak > NEGLIGIBLE * peaks.max()
+        axis
+        for axis, peak in zip(axes, peaks, strict=True)
+        if peak > NEGLIGIBLE_SHARE * peaks.max()
     ]
     return tuple(moving) or axes

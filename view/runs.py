@@ -12,18 +12,27 @@ import numpy as np
 from ..results import QuantityError, Results, SeriesError
 from ..results.transforms import Window, split
 from ..results.wildcards import WILDCARD_STAR, named, of_all
+from .curve import Curve
 from .errors import PictureError, PictureWarning
-from .quantities import AGAINST, Curve, curves
+from .quantities import AGAINST_WORD, curves
 
-MOST_CURVES = 12
-"""of one panel, by a star: more cannot be told apart"""
-RESULTS = "results"
-"""the last word of names that `duhamel run` gives"""
+# Of one panel, by a star: more cannot be told apart.
+MAX_STAR_CURVES = 12
+# The last word of names that `duhamel run` gives, which tells nothing apart.
+RESULTS_ENDING = "results"
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Results, the name that they have in a legend, and in messages."""
+    """Results with the name that they have in a legend, see `panel` for an example.
+
+    Parameters
+    ----------
+    name : str
+    results : Results
+    source : str
+        Their file, in messages.
+    """
 
     name: str
     results: Results
@@ -31,7 +40,26 @@ class Run:
 
 
 def runs_of(files: Sequence[Path], names: Sequence[str] = ()) -> list[Run]:
-    """The results of files, by the names given, or by what tells the files apart."""
+    """Read results files, by the names given, or by what tells the files apart.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    names : sequence of str
+
+    Raises
+    ------
+    PictureError
+        If there is not one name for each file, each another.
+    ResultsError
+        For a file that holds no results.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> view.runs_of([])
+    []
+    """
     files = list(dict.fromkeys(files))
     if names and len(names) != len(files):
         raise PictureError(f"expected a name for each of {len(files)} files, found {len(names)}")
@@ -44,10 +72,17 @@ def runs_of(files: Sequence[Path], names: Sequence[str] = ()) -> list[Run]:
 
 
 def names_of(files: Sequence[Path]) -> list[str]:
-    """What tells the paths of files apart: "paper" and "consistent" of case1-paper-results.h5, ...
+    """Find what tells the paths of files apart.
 
     Words at the beginning and at the end that all have are left out, unless a number alone or
     nothing would remain. "" of a single file.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> from pathlib import Path
+    >>> view.names_of([Path("case1-paper-results.h5"), Path("case1-consistent-results.h5")])
+    ['paper', 'consistent']
     """
     if len(files) < 2:
         return [""] * len(files)
@@ -64,7 +99,9 @@ def names_of(files: Sequence[Path]) -> list[str]:
 
 
 def _from(rows: Sequence[Sequence[str]], start: int) -> list[str]:
-    return [re.sub(rf"[-_]{RESULTS}$", "", "".join(row[start:]).strip("/_-")) for row in rows]
+    return [
+        re.sub(rf"[-_]{RESULTS_ENDING}$", "", "".join(row[start:]).strip("/_-")) for row in rows
+    ]
 
 
 def _is_telling(name: str) -> bool:
@@ -84,10 +121,29 @@ def _alike(rows: Sequence[Sequence[str]]) -> int:
 def panel(
     runs: Sequence[Run], text: str, gravities: bool = False, window: Window | None = None
 ) -> list[Curve]:
-    """The curves of a panel, of quantities joined by commas, of all runs.
+    """Evaluate the curves of a panel, of quantities joined by commas, of all runs.
 
     Of a quantity that some runs lack the others are drawn, and `PictureWarning` names the lacking
     ones; so it is told where a star stands for more than can be drawn.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+    text : str
+        "velocity:hub:x,velocity:rod:x", "acceleration:*:z".
+    gravities : bool
+        Accelerations in g.
+    window : (float, float) [s], optional
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> [curve.words for curve in view.panel([view.Run("", results, "ball.h5")], "velocity:*")]
+    [('velocity', 'ball', 'z')]
     """
     found: list[Curve] = []
     for quantity in split(text):
@@ -127,14 +183,14 @@ def _of(results: Results, quantity: str, gravities: bool, window: Window | None)
 
 def _expanded(results: Results, quantity: str) -> list[str]:
     """All that a quantity stands for; of one against another both stars stand for the same."""
-    sides = [side.strip() for side in quantity.split(AGAINST, 1)]
+    sides = [side.strip() for side in quantity.split(AGAINST_WORD, 1)]
     if len(sides) == 1:
         return named(results, quantity)
     ys, xs = (named(results, side) for side in sides)
     if len(xs) > 1 and _owners(xs) != _owners(ys):
         raise QuantityError(f"{quantity}: expected stars that stand for the same on both sides")
     pairs = zip(ys, xs if len(xs) > 1 else repeat(xs[0]), strict=False)
-    return [f"{y}{AGAINST}{x}" for y, x in pairs]
+    return [f"{y}{AGAINST_WORD}{x}" for y, x in pairs]
 
 
 def _owners(quantities: Sequence[str]) -> list[str]:
@@ -148,7 +204,7 @@ def _largest(found: list[Curve], quantity: str) -> list[Curve]:
         peak = float(np.abs(curve.values).max(initial=0.0))
         peaks[curve.words] = max(peak, peaks.get(curve.words, 0.0))
     runs = len({curve.run for curve in found})
-    most = max(1, MOST_CURVES // runs)
+    most = max(1, MAX_STAR_CURVES // runs)
     if len(peaks) <= most:
         return found
     kept = sorted(peaks, key=lambda words: -peaks[words])[:most]

@@ -12,19 +12,22 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from ..results.series.bands import OCTAVE_RATIO
 from ..results.transforms import STANDARD_GRAVITY
 from ..superelement.validation import Array
-from .quantities import Curve
+from .curve import Curve
 from .styles import styles
 
-NARROWEST, FEW = 3.0, 2.5
-"""the least ratio of the ends of an ordinate; decades below which there are numbers between"""
-MOST_DECADES = 6.0
-"""of an ordinate: below is rounding"""
-STEEP = 0.62
-"""height of four-coordinate paper over its width, where decades are as long up as across"""
-RULED: dict[str, Any] = {"color": "0.85", "linewidth": 0.5, "zorder": 0.5}
-LABEL: dict[str, Any] = {"fontsize": 6.5, "color": "0.4", "ha": "center", "zorder": 0.7}
-GROUND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
-"""what a label stands on"""
+# Of the ends of an ordinate: a flat spectrum is to look flat.
+LEAST_ORDINATE_RATIO = 3.0
+# Of fewer decades there are numbers between the powers of ten.
+NUMBERED_DECADES = 2.5
+# Of an ordinate: below is rounding.
+MAX_DECADES = 6.0
+# Height over width, where decades are as long up as across, and the ruled lines rise by 45
+# degrees.
+TRIPARTITE_ASPECT = 0.62
+RULED_LINE: dict[str, Any] = {"color": "0.85", "linewidth": 0.5, "zorder": 0.5}
+RULED_LABEL: dict[str, Any] = {"fontsize": 6.5, "color": "0.4", "ha": "center", "zorder": 0.7}
+# Hides the line on which a label stands.
+LABEL_GROUND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
 
 def fill(axes: Axes, curves: Sequence[Curve]) -> None:
@@ -46,7 +49,7 @@ def fill(axes: Axes, curves: Sequence[Curve]) -> None:
         if paper == "tripartite":
             _rule(axes, curves, low, high)
         else:
-            narrow = max(1.0, NARROWEST / (high / low)) ** 0.5
+            narrow = max(1.0, LEAST_ORDINATE_RATIO / (high / low)) ** 0.5
             axes.set_ylim(0.7 * low / narrow, 1.5 * high * narrow)
     _shade_beyond(axes, curves)
     _mark(axes.xaxis, axes.get_xlim())
@@ -75,7 +78,9 @@ def _shade_beyond(axes: Axes, curves: Sequence[Curve]) -> None:
 def _mark(axis: Axis, limits: tuple[float, float]) -> None:
     """Numbers at powers of ten, and between them where these are few."""
     decades = math.log10(limits[1] / limits[0])
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < FEW else (1.0,)))
+    axis.set_major_locator(
+        LogLocator(subs=(1.0, 2.0, 5.0) if decades < NUMBERED_DECADES else (1.0,))
+    )
     axis.set_major_formatter(FuncFormatter(_written))
     axis.set_minor_formatter(NullFormatter())
 
@@ -97,7 +102,7 @@ def _span(peaks: Array) -> tuple[float, float]:
     """The range of values above zero that is shown."""
     high = float(peaks.max())
     low = float(peaks[peaks > 0.0].min())
-    return max(low, high * 10.0**-MOST_DECADES), high
+    return max(low, high * 10.0**-MAX_DECADES), high
 
 
 def _rule(axes: Axes, curves: Sequence[Curve], low: float, high: float) -> None:
@@ -107,7 +112,7 @@ def _rule(axes: Axes, curves: Sequence[Curve], low: float, high: float) -> None:
     """
     frequencies = np.concatenate([curve.abscissa for curve in curves if curve.abscissa is not None])
     left, right = float(frequencies.min()), float(frequencies.max())
-    wanted = STEEP * math.log10(right / left)
+    wanted = TRIPARTITE_ASPECT * math.log10(right / left)
     margin = 10.0 ** max(0.15, 0.5 * (wanted - math.log10(high / low)))
     low, high = low / margin, high * margin
     axes.set_xlim(left, right)
@@ -116,14 +121,14 @@ def _rule(axes: Axes, curves: Sequence[Curve], low: float, high: float) -> None:
     across = np.array([left, right])
     force, unit = (1.0, "rad/s²") if turns else (STANDARD_GRAVITY, "g")
     for a in _decades(2.0 * math.pi * left * low / force, 2.0 * math.pi * right * high / force):
-        axes.plot(across, a * force / (2.0 * math.pi * across), **RULED)
+        axes.plot(across, a * force / (2.0 * math.pi * across), **RULED_LINE)
         f = min(right / 1.35, a * force / (2.0 * math.pi * 1.12 * low))
         _label(axes, f, a * force / (2.0 * math.pi * f), f"{_written(a)} {unit}", -1.0)
     length, unit = (1.0, "rad") if turns else (1e-3, "mm")
     for d in _decades(
         low / (2.0 * math.pi * right * length), high / (2.0 * math.pi * left * length)
     ):
-        axes.plot(across, 2.0 * math.pi * across * d * length, **RULED)
+        axes.plot(across, 2.0 * math.pi * across * d * length, **RULED_LINE)
         f = min(right / 1.35, high / 1.12 / (2.0 * math.pi * d * length))
         _label(axes, f, 2.0 * math.pi * f * d * length, f"{_written(d)} {unit}", 1.0)
 
@@ -146,8 +151,8 @@ def _label(axes: Axes, x: float, y: float, text: str, slope: float) -> None:
         transform_rotates_text=True,
         rotation_mode="anchor",
         va="center",
-        bbox=GROUND,
-        **LABEL,
+        bbox=LABEL_GROUND,
+        **RULED_LABEL,
     )
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from .quantities import Curve
+from .curve import Curve
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """the palette of Okabe and Ito, which the color-blind can distinguish"""
-DASHES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
+CURVE_DASHES = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 
 
 def styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
@@ -27,4 +27,7 @@ def styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
 
 
 def _style(color: int, dash: int) -> dict[str, Any]:
-    return {"color": COLORS[color % len(COLORS)], "linestyle": DASHES[dash % len(DASHES)]}
+    return {
+        "color": COLORS[color % len(COLORS)],
+        "linestyle": CURVE_DASHES[dash % len(CURVE_DASHES)],
+    }

@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 
 from ..superelement.validation import Array
 from .errors import PictureError
-from .picture import PANEL_HEIGHT, WIDTH, entitle, style
+from .picture import PANEL_HEIGHT, PICTURE_WIDTH, entitle, style
 from .styles import COLORS
 
-MOST_LINES = 6
-"""of one panel; more values of the second parameter are drawn as contours"""
-MOST_PANELS = 5
-"""beside one another: the parameters with the strongest correlations"""
-MOST_OUTPUTS = 12
-LEVELS = 12
-EDGE = 0.03
-"""of the height of a panel, at which cases that failed are marked"""
-LONGEST_LABEL = 40
-"""characters"""
-LOG_SPAN = 30.0
-"""ratio of the largest to the least of positive values that are drawn on a logarithmic axis"""
+# Of one panel; more values of the second parameter are drawn as contours.
+MAX_LINES = 6
+# Beside one another: the parameters with the strongest correlations.
+MAX_PANELS = 5
+MAX_OUTPUTS = 12
+CONTOUR_LEVELS = 12
+# Of the height of a panel: cases that failed have a parameter, but no ordinate.
+FAILED_HEIGHT = 0.03
+# Characters.
+MAX_LABEL = 40
+# Ratio of the largest to the least value of a parameter that goes on a logarithmic axis.
+LEAST_LOG_SPAN = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +54,37 @@ def draw_variation(
     units: Mapping[str, str] | None = None,
     failed: Mapping[str, Sequence[Any]] | None = None,
 ) -> Figure:
-    """A row of panels for each output, over the parameters that vary.
+    """Draw a row of panels for each output, over the parameters that vary.
 
-    parameters: values of n cases by key; outputs (n,) by name, of which those that are no number
-    are left out. One parameter: a line. Two: a line for each value of the second; contours where
-    these are many, or scattered. More: points over each, with Spearman's rank correlation, and the
-    strongest first. Of an array the element that varies most is drawn. units: of the outputs by
-    name; failed: values of k more cases, which have no outputs: crosses at the edge of the panels,
-    as of cases without a number. `PictureError` if nothing varies.
+    One parameter: a line. Two: a line for each value of the second; contours where these are many,
+    or scattered. More: points over each, with Spearman's rank correlation, and the strongest first.
+    Of an array the element that varies most is drawn.
+
+    Parameters
+    ----------
+    parameters : mapping of sequence
+        Values of n cases by key.
+    outputs : mapping of (n,)
+        By name; those that are no number are left out.
+    title : str
+    units : mapping of str, optional
+        Of the outputs by name.
+    failed : mapping of sequence, optional
+        Values of k more cases, which have no outputs: crosses at the edge of the panels, as of
+        cases without a number.
+
+    Raises
+    ------
+    PictureError
+        If nothing varies.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel import view
+    >>> figure = view.draw_variation({"length": [1.0, 2.0]}, {"peak": np.array([3.0, 4.0])})
+    >>> figure.axes[0].get_xlabel()
+    'length'
     """
     units = {} if units is None else units
     if failed and (lost := len(next(iter(failed.values())))):
@@ -72,11 +95,14 @@ def draw_variation(
         raise PictureError(
             f"expected parameters that vary and outputs, found {len(axes)} and {len(outputs)}"
         )
-    if len(outputs) > MOST_OUTPUTS:
-        raise PictureError(f"expected at most {MOST_OUTPUTS} outputs, found {len(outputs)}")
-    columns = min(len(axes), MOST_PANELS) if len(axes) > 2 else 1
+    if len(outputs) > MAX_OUTPUTS:
+        raise PictureError(f"expected at most {MAX_OUTPUTS} outputs, found {len(outputs)}")
+    columns = min(len(axes), MAX_PANELS) if len(axes) > 2 else 1
     figure = Figure(
-        figsize=(WIDTH if columns < 3 else 0.5 * WIDTH + 1.6 * columns, _height(axes, outputs)),
+        figsize=(
+            PICTURE_WIDTH if columns < 3 else 0.5 * PICTURE_WIDTH + 1.6 * columns,
+            _height(axes, outputs),
+        ),
         layout="constrained",
     )
     with style():
@@ -155,7 +181,7 @@ def _mark_failed(panels: list[Axes], axes: Sequence[Axis], failed: NDArray[np.bo
         at_edge: dict[str, Any] = (
             {} if y is not None else {"transform": panel.get_xaxis_transform()}
         )
-        height = np.full(int(failed.sum()), EDGE) if y is None else y.values[failed]
+        height = np.full(int(failed.sum()), FAILED_HEIGHT) if y is None else y.values[failed]
         panel.plot(x.values[failed], height, "x", color="0.25", markersize=5, **at_edge)
     where = f"{int(failed.sum())} failed: x"
     panels[0].annotate(where, (1.0, 1.01), xycoords="axes fraction", ha="right", fontsize=7)
@@ -169,7 +195,7 @@ def _draw_line(panel: Axes, axis: Axis, values: Array, label: str) -> None:
 def _draw_plane(panel: Axes, one: Axis, two: Axis, name: str, values: Array) -> None:
     """Lines over the parameter with more values, one for each value of the other; or contours."""
     x, other = (one, two) if len(one.levels) >= len(two.levels) else (two, one)
-    if len(other.levels) > MOST_LINES and not (x.labels or other.labels):
+    if len(other.levels) > MAX_LINES and not (x.labels or other.labels):
         _draw_contours(panel, one, two, name, values)
         return
     for level in other.levels:
@@ -190,7 +216,7 @@ def _draw_contours(panel: Axes, x: Axis, y: Axis, name: str, values: Array) -> N
     if is_plane and np.ptp(values) > 0.0:
         nearest = Triangulation(*((places - places[0]) / spans).T).triangles
         mesh = Triangulation(x.values, y.values, nearest)
-        filled: Any = panel.tricontourf(mesh, values, levels=LEVELS, cmap="viridis")
+        filled: Any = panel.tricontourf(mesh, values, levels=CONTOUR_LEVELS, cmap="viridis")
     else:
         filled = panel.scatter(x.values, y.values, c=values, cmap="viridis")
     panel.figure.colorbar(filled, ax=panel)
@@ -218,17 +244,12 @@ def rank_correlation(x: Array, y: Array) -> float:
 
     x, y (n,). Source: C. Spearman, The American Journal of Psychology 15 (1904).
     """
-    ranks = np.array([_ranks(x), _ranks(y)])
+    from scipy.stats import rankdata  # takes as long to import as all else of a small picture
+
+    ranks = np.array([rankdata(x), rankdata(y)])
     ranks -= ranks.mean(axis=1, keepdims=True)
     size = float(np.sqrt((ranks[0] @ ranks[0]) * (ranks[1] @ ranks[1])))
     return float(ranks[0] @ ranks[1]) / size if size > 0.0 else 0.0
-
-
-def _ranks(x: Array) -> Array:
-    _, places, counts = np.unique(x, return_inverse=True, return_counts=True)
-    last = np.cumsum(counts)
-    ranks: Array = (last - 0.5 * (counts - 1))[places]
-    return ranks
 
 
 def _label(panel: Axes, x: Axis, name: str) -> None:
@@ -245,7 +266,7 @@ def _is_logarithmic(axis: Axis) -> bool:
     """Whether positive values of a wide range are more evenly spread by their logarithms."""
     if axis.labels or not len(axis.values) or not axis.values.min() > 0.0:
         return False
-    if axis.values.max() < LOG_SPAN * axis.values.min():
+    if axis.values.max() < LEAST_LOG_SPAN * axis.values.min():
         return False
     return _unevenness(np.log(axis.levels)) < _unevenness(axis.levels)
 
@@ -268,4 +289,4 @@ def _shown(text: str) -> str:
     """Text that can be drawn, not at length."""
     line = "".join(letter if letter.isprintable() else "?" for letter in text)
     line = line.encode("utf-8", "replace").decode("utf-8")
-    return line if len(line) <= LONGEST_LABEL else f"{line[: LONGEST_LABEL - 1]}\u2026"
+    return line if len(line) <= MAX_LABEL else f"{line[: MAX_LABEL - 1]}\u2026"

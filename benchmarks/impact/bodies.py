@@ -8,7 +8,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 from duhamel.preprocess import Body, Structure, assemble, build, read_body
-from duhamel.preprocess.responses.truncated import REDUCTIONS
+from duhamel.preprocess.responses.truncated import REDUCTION_METHODS
 from duhamel.superelement import Modes, Superelement, sample_kernel
 from numpy.typing import NDArray
 
@@ -118,7 +118,7 @@ class Reducible:
         return self._of(self._searched(method, count))
 
     def _truncated(self, method: str, asked: int) -> Modes:
-        return REDUCTIONS[method](self._structure, self.body.damping, asked).modes
+        return REDUCTION_METHODS[method](self._structure, self.body.damping, asked).modes
 
     def _searched(self, method: str, count: int) -> Modes:
         """With one interface: Rubin adds one that moves it, Craig and Bampton none."""

@@ -9,11 +9,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+# The help has all others after these.
 HELP_ORDER = (
     *("preprocess", "run", "sweep", "peaks", "explain", "info", "check"),
     *("plot", "report", "animate", "export", "modes", "frf", "campbell", "init", "schema"),
 )
-"""which has all others after these"""
 
 
 def command_names() -> list[str]:

@@ -4,9 +4,9 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ModelFile
+from ..arguments import ModelFile, beside
 from ..failures import errors_in_one_line, one_line
-from ..linear import LinearOutput, ModeCount, require_no_model, tell_validity, write_output
+from ..linear import LinearOutput, ModeCount, tell_validity, write_output
 
 Spins = Annotated[
     tuple[float, float, int],
@@ -31,10 +31,10 @@ def campbell(
     import numpy as np
     from rich.console import Console
 
-    from ... import solver, superelement, view
+    from ... import files, solver, superelement, view
     from ..linear_report import campbell_picture, campbell_rows, campbell_tables, crossing_lines
 
-    target = output or model_file.with_name(f"{model_file.stem}-campbell.png")
+    target = output or beside(model_file, ".png", "campbell")
     try:
         wanted = [float(order) for order in orders.split(",") if order.strip()]
     except ValueError as error:
@@ -42,8 +42,8 @@ def campbell(
     first, last, count = spin
     if not 0.0 <= first < last < float("inf") or count < 2:
         raise typer.BadParameter("--spin: expected 0 <= FROM < TO and COUNT >= 2")
-    with errors_in_one_line(solver, superelement, view):
-        require_no_model(target, model_file)
+    with errors_in_one_line(files, solver, superelement, view):
+        files.require_no_input(target, [model_file], "the model file")
         model = solver.read_model(model_file)
         spins = np.linspace(first, last, count).tolist()
         diagram = solver.campbell(model, spins, n, progress=True)

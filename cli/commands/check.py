@@ -5,18 +5,13 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import HDF5, TOML, results_of
+from ..arguments import HDF5_SUFFIXES, TOML_SUFFIX, file_argument, results_of
 from ..completion import files as files_of
 from ..failures import errors_in_one_line, one_line
 
 CheckedFile = Annotated[
     Path,
-    typer.Argument(
-        metavar="FILE",
-        help="A superelement or a model, by its suffix.",
-        show_default=False,
-        autocompletion=files_of(*HDF5, TOML),
-    ),
+    file_argument("FILE", "A superelement or a model, by its suffix.", *HDF5_SUFFIXES, TOML_SUFFIX),
 ]
 CheckedBody = Annotated[
     Path | None,
@@ -24,8 +19,7 @@ CheckedBody = Annotated[
         "--body",
         metavar="BODY.toml",
         help="The body file of a superelement, whose mesh its static solution is compared with.",
-        show_default=False,
-        autocompletion=files_of(TOML),
+        autocompletion=files_of(TOML_SUFFIX),
     ),
 ]
 
@@ -38,13 +32,14 @@ def check(file: CheckedFile, body: CheckedBody = None) -> None:
     beside it. A model is not run: what `run` would refuse is refused, and what it would take is
     told.
     """
-    if file.suffix.lower() in HDF5:
+    if file.suffix.lower() in HDF5_SUFFIXES:
         _check_superelement(file, body)
-    elif file.suffix.lower() == TOML:
+    elif file.suffix.lower() == TOML_SUFFIX:
         _check_model(file)
     else:
         raise typer.BadParameter(
-            f"{file}: expected a superelement, {' or '.join(HDF5)}, or a model, {TOML}"
+            f"{file}: expected a superelement, {' or '.join(HDF5_SUFFIXES)}, "
+            f"or a model, {TOML_SUFFIX}"
         )
 
 
@@ -64,7 +59,7 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
 
     from ... import preprocess, superelement
     from ...files.progress import Progress, Work
-    from ..checked import checks_table, failures
+    from ..tables import table
 
     with errors_in_one_line(superelement):
         element = superelement.read(file)
@@ -75,12 +70,24 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
         else:
             body = preprocess.read_body(body_file)
         if body is not None:
+            # The only check that reads the mesh: a file that is consistent in itself may be of
+            # another one.
             with Progress(Work("static solution of the mesh")):
                 checks.append(preprocess.static_check(element, body))
-    Console().print(checks_table(element.name, checks))
-    failed = failures(checks)
-    for line in failed:
-        typer.echo(one_line(f"error: {file}: {line}"), err=True)
+    rows = [
+        (
+            one.where,
+            one.expected,
+            f"{one.found:.2g}",
+            f"{one.limit:.2g}",
+            "yes" if one.holds else "NO",
+        )
+        for one in checks
+    ]
+    Console().print(table(element.name, ("dataset", "expected", "found", "limit", "holds"), rows))
+    failed = [one for one in checks if not one.holds]
+    for one in failed:
+        typer.echo(one_line(f"error: {file}: {one}"), err=True)
     if failed:
         raise typer.Exit(1)
     if body is None:

@@ -8,12 +8,12 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ResultsFile, time_or_worst
+from ..arguments import FromTime, ResultsFile, time_or_worst
 from ..exports import EXPORT_OPTIONS, EXPORTS, Asked, described, takers
 from ..failures import errors_in_one_line, one_line
 
+# Characters: typer takes each line of a docstring as a paragraph of its own.
 HELP_WIDTH = 93
-"""characters of a line of help"""
 
 Folder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)
@@ -24,7 +24,6 @@ Quantities = Annotated[
         metavar="QUANTITY",
         help=f"For {takers('quantities')}, as velocity:hub:x or 'force:*'; all that was recorded "
         "unless given.",
-        show_default=False,
     ),
 ]
 To = Annotated[
@@ -42,15 +41,16 @@ At = Annotated[
         "--at",
         metavar="SECONDS",
         help="The instant of loads, or worst, that of the largest load.",
-        show_default=False,
     ),
 ]
 BodyNames = Annotated[
     list[str] | None,
     typer.Option("--body", metavar="NAME", help="For loads; all flexible bodies unless given."),
 ]
-Start = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="From this time.")]
-End = Annotated[float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time.")]
+# --to is the format here.
+UntilTime = Annotated[
+    float | None, typer.Option("--until", metavar="SECONDS", help="Up to this time.")
+]
 Frames = Annotated[
     int | None,
     typer.Option(min=1, help=f"Steps for {takers('film')}, evenly over time: 200 unless given."),
@@ -71,8 +71,8 @@ def export(
     folder: Folder,
     quantities: Quantities = None,
     to: To = "vtk",
-    start: Start = None,
-    end: End = None,
+    start: FromTime = None,
+    end: UntilTime = None,
     frames: Frames = None,
     every: All = False,
     magnify: Magnified = None,

@@ -4,12 +4,12 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ModelFile
+from ..arguments import ModelFile, beside
 from ..failures import errors_in_one_line
-from ..linear import LinearOutput, linear_title, require_no_model, tell_validity, write_output
+from ..linear import LinearOutput, linear_title, tell_validity, write_output
 
-WELL_WITHIN = 0.75
-"""of the band of a superelement: there a response needs no remark"""
+# Of the band of a superelement: there a response needs no remark.
+TRUSTED_BAND_SHARE = 0.75
 
 From = Annotated[
     list[str],
@@ -20,7 +20,7 @@ From = Annotated[
 To = Annotated[list[str], typer.Option("--to", metavar="QUANTITY", help="As `plot` names them.")]
 Band = Annotated[
     tuple[float, float] | None,
-    typer.Option(metavar="FROM TO", help="Frequencies [Hz].", show_default=False),
+    typer.Option(metavar="FROM TO", help="Frequencies [Hz]."),
 ]
 Points = Annotated[
     int, typer.Option(min=2, max=100_000, help="Frequencies of the band, beside resonances.")
@@ -50,12 +50,12 @@ def frf(
     """Frequency responses of a model: MODEL-frf.png beside the model file, unless given."""
     from rich.console import Console
 
-    from ... import solver, superelement, view
+    from ... import files, solver, superelement, view
     from ..linear_report import band_of, grid, response_csv, response_picture, static_table
 
-    target = output or model_file.with_name(f"{model_file.stem}-frf.png")
-    with errors_in_one_line(solver, superelement, view):
-        require_no_model(target, model_file)
+    target = output or beside(model_file, ".png", "frf")
+    with errors_in_one_line(files, solver, superelement, view):
+        files.require_no_input(target, [model_file], "the model file")
         model = solver.read_model(model_file)
         linear = solver.linearize(model)
         if static:
@@ -71,7 +71,7 @@ def frf(
         if band is None and known is None:
             raise typer.BadParameter("--band: needed where a body is known by a kernel alone")
         bands = [body.superelement.kernel.band for body in model.flexible_bodies.values()]
-        limit = min((WELL_WITHIN * width for width in bands if width), default=float("inf"))
+        limit = min((TRUSTED_BAND_SHARE * width for width in bands if width), default=float("inf"))
         frequencies = grid(band or band_of(known, limit), points, known)  # type: ignore[arg-type]
         kinds = bodies or ["dynamic"]
         responses = {

@@ -3,16 +3,10 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from ..arguments import HDF5
-from ..completion import files as files_of
+from ..arguments import HDF5_SUFFIXES, file_argument
 from ..failures import errors_in_one_line
 
-SuperelementFile = Annotated[
-    Path,
-    typer.Argument(metavar="FILE.h5", help="A superelement.", autocompletion=files_of(*HDF5)),
-]
+SuperelementFile = Annotated[Path, file_argument("FILE.h5", "A superelement.", *HDF5_SUFFIXES)]
 
 
 def info(file: SuperelementFile) -> None:

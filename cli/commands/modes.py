@@ -6,7 +6,6 @@ from ..linear import (
     LinearOutput,
     ModeCount,
     linear_title,
-    require_no_model,
     tell_validity,
     write_output,
 )
@@ -16,11 +15,12 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
     """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
     from rich.console import Console
 
-    from ... import solver, superelement, view
+    from ... import files, solver, superelement, view
     from ..linear_report import modes_csv, modes_picture, modes_table
 
-    with errors_in_one_line(solver, superelement, view):
-        require_no_model(output, model_file)
+    with errors_in_one_line(files, solver, superelement, view):
+        if output is not None:
+            files.require_no_input(output, [model_file], "the model file")
         model = solver.read_model(model_file)
         linear = solver.linearize(model)
         found = linear.modes(n)

@@ -9,9 +9,7 @@ from ..failures import errors_in_one_line, one_line
 
 Quantities = Annotated[
     list[str] | None,
-    typer.Argument(
-        metavar="QUANTITY", help="As acceleration:hub:z, or 'acceleration:*'.", show_default=False
-    ),
+    typer.Argument(metavar="QUANTITY", help="As acceleration:hub:z, or 'acceleration:*'."),
 ]
 
 

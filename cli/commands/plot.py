@@ -2,11 +2,21 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..arguments import Gravities, time_or_worst
+from ..arguments import (
+    RESULTS_SUFFIXES,
+    FromTime,
+    Gravities,
+    Title,
+    ToTime,
+    beside,
+    output_option,
+    size_of,
+    time_or_worst,
+)
 from ..completion import files as completed
 from ..failures import errors_in_one_line, one_line
 
@@ -14,14 +24,11 @@ if TYPE_CHECKING:
     from ...results.transforms import Window
     from ...view import Curve, Run
 
-CSV = ".csv"
-"""suffix of summaries of studies"""
-FILES = (".h5", ".hdf5", ".nc", CSV)
-"""suffixes of files; other arguments are quantities"""
+SUMMARY_SUFFIX = ".csv"
+# Other arguments are quantities.
+FILE_SUFFIXES = (*RESULTS_SUFFIXES, SUMMARY_SUFFIX)
+# That of a measured curve unless another is named: the first holds times.
 SECOND_COLUMN = 2
-"""that of a measured curve unless another is named"""
-COMPARED = "compared"
-"""behind the name of the first of several files, in that of their picture"""
 
 Arguments = Annotated[
     list[str],
@@ -30,26 +37,10 @@ Arguments = Annotated[
         help="RESULTS.h5 of `duhamel run`, several in one picture, or summary.csv of `sweep`; then "
         "a panel each, as angular_velocity:hub:z, 'acceleration:*:z', 'srs(acceleration:hub:z, "
         "q=10)', or 'position:tip:y against position:tip:x'.",
-        show_default=False,
-        autocompletion=completed(*FILES),
+        autocompletion=completed(*FILE_SUFFIXES),
     ),
 ]
-Picture = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", metavar="FILE.png|svg|pdf", show_default=False),
-]
-Title = Annotated[
-    str | None,
-    typer.Option(metavar="TEXT", help="Above the picture: the name of the file, unless given."),
-]
-Start = Annotated[
-    float | None,
-    typer.Option("--from", metavar="SECONDS", help="From this time, spectra too."),
-]
-End = Annotated[
-    float | None,
-    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time, spectra too."),
-]
+Picture = Annotated[Path | None, output_option("FILE.png|svg|pdf")]
 Names = Annotated[
     str | None,
     typer.Option(metavar="NAME,NAME", help="Of several files, in the legend."),
@@ -86,8 +77,8 @@ def plot(
     output: Picture = None,
     title: Title = None,
     gravities: Gravities = False,
-    start: Start = None,
-    end: End = None,
+    start: FromTime = None,
+    end: ToTime = None,
     names: Names = None,
     size: Size = None,
     field: Fields = None,
@@ -99,7 +90,8 @@ def plot(
     Of a study, summary.csv, draw the outputs, or those that are named, over its parameters.
 
     Each further argument is a panel: a quantity, or several joined by commas; a star in a name
-    stands for anything. Without them: what moved, what pushed, the energies and their balance. A
+    stands for anything. Spectra are of the times that --from and --to leave. Without quantities:
+    what moved, what pushed, the energies and their balance. A
     quantity that does not exist lists those that do. What is made of quantities, in quotes:
     srs(QUANTITY), fourier, psd, cumulative_rms, octaves, cfc, lowpass, highpass, bandpass, g.
     Several files are drawn in one picture.
@@ -107,24 +99,28 @@ def plot(
     With --field the surfaces of bodies at a time, colored by stress, displacement or velocity.
     """
     files, quantities = _sorted(arguments)
-    if any(file.suffix.lower() == CSV for file in files):
+    if any(file.suffix.lower() == SUMMARY_SUFFIX for file in files):
         if len(files) > 1:
             raise typer.BadParameter("the summary of a study is drawn alone, without other files")
         plot_summary(files[0], quantities, output, title)
         return
+    from ... import files as outputs
     from ... import results, view
-    from ...files.outputs import clash
 
-    window, inches, time = _window(start, end), _inches(size), _time(at, field)
+    window = _window(start, end)
+    inches = size_of(size, float, 1.0, 100.0, "inches, as 8x5")
+    if at is not None and not field:
+        raise typer.BadParameter("--at goes with --field")
+    time = time_or_worst(at)
     if field and (quantities or len(files) > 1 or inches is not None):
         raise typer.BadParameter("--field: expected one file, no quantities and no --size")
     _check_overlays(overlay, quantities)
-    with errors_in_one_line(results, view):
+    what = "field" if field else "compared" if len(files) > 1 else ""
+    target = output or beside(files[0], ".png", what)
+    with errors_in_one_line(outputs, results, view):
         runs = view.runs_of(files, names.split(",") if names else ())
-        target = output or _target(files, "field" if field else COMPARED)
-        if found := clash([target], dict.fromkeys(files, "the results file")):
-            raise view.PictureError(f"{found}, which the picture would replace")
-        heading = _heading(files) if title is None else title
+        outputs.require_no_input(target, files, "the results file", "picture")
+        heading = title if title is not None else files[0].stem if len(files) == 1 else ""
         if field:
             of_bodies = [part for text in field for part in text.split(",")]
             figure = view.draw_body_fields(runs[0].results, of_bodies, time, window, heading)
@@ -144,7 +140,8 @@ def _sorted(arguments: Sequence[str]) -> tuple[list[Path], list[str]]:
     files, quantities = [Path(arguments[0])], []
     for text in arguments[1:]:
         path = Path(text)
-        if path.suffix.lower() in FILES or (":" not in text and _is_file(path)):
+        # A results file may have any suffix, but every quantity with a name has a colon.
+        if path.suffix.lower() in FILE_SUFFIXES or (":" not in text and _is_file(path)):
             files.append(path)
         else:
             quantities.append(text)
@@ -167,6 +164,7 @@ def _panels(
         return [view.panel(runs, text, gravities, window) for text in quantities]
     if len(runs) == 1 and window is None and not gravities:
         return view.overview(runs[0].results)
+    # Of several runs the first one chooses, so that all are compared in the same quantities.
     shown = view.overview_quantities(runs[0].results)
     return [view.panel(runs, ",".join(panel), gravities, window) for panel in shown]
 
@@ -190,6 +188,7 @@ def _with_overlays(
     drawn = list(panels)
     with errors_in_one_line(solver):
         for n, text in enumerate(overlays):
+            # A file whose own name has a colon is taken as it is.
             path, _, column = text.partition(":") if not _is_file(Path(text)) else (text, "", "")
             chosen = int(column) if column.isdigit() else column or SECOND_COLUMN
             times, values = solver.Recorded(path, chosen).points
@@ -197,25 +196,6 @@ def _with_overlays(
             at = n if len(drawn) > 1 else 0
             drawn[at] = view.overlaid(drawn[at], name, times, values, window)
     return drawn
-
-
-def _target(files: Sequence[Path], what: str) -> Path:
-    """FILE.png beside the first file, FILE-WHAT.png where it is not the picture of one run."""
-    first = files[0]
-    if len(files) == 1 and what == COMPARED:
-        return first.with_suffix(".png")
-    return first.with_name(f"{first.stem}-{what}.png")
-
-
-def _time(at: str | None, field: Sequence[str] | None) -> "float | Literal['worst']":
-    """The time of a field [s], or "worst"."""
-    if at is not None and not field:
-        raise typer.BadParameter("--at goes with --field")
-    return time_or_worst(at)
-
-
-def _heading(files: Sequence[Path]) -> str:
-    return files[0].stem if len(files) == 1 else ""
 
 
 def _window(start: float | None, end: float | None) -> "Window | None":
@@ -227,31 +207,15 @@ def _window(start: float | None, end: float | None) -> "Window | None":
     return window
 
 
-def _inches(size: str | None) -> tuple[float, float] | None:
-    if size is None:
-        return None
-    try:
-        width, height = (float(part) for part in size.lower().split("x"))
-    except ValueError:
-        width = height = 0.0
-    if not (1.0 <= width <= 100.0 and 1.0 <= height <= 100.0):
-        raise typer.BadParameter(
-            f"--size: expected WIDTHxHEIGHT from 1 to 100 inches, as 8x5, found {size!r}"
-        )
-    return width, height
-
-
 def plot_summary(
     summary: Path, names: Sequence[str], output: Path | None, title: str | None
 ) -> None:
     """Draw the summary of a study: SUMMARY.png beside it, unless given."""
-    from ... import study, view
-    from ...files.outputs import clash
+    from ... import files, study, view
     from ..variation import draw
 
-    target = output or summary.with_suffix(".png")
-    with errors_in_one_line(study, view):
-        if found := clash([target], {summary: "the summary"}):
-            raise view.PictureError(f"{found}, which the picture would replace")
+    target = output or beside(summary, ".png")
+    with errors_in_one_line(files, study, view):
+        files.require_no_input(target, [summary], "the summary", "picture")
         draw(summary, [name for text in names for name in text.split(",")], target, title)
     typer.echo(one_line(target))

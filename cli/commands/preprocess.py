@@ -7,30 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..arguments import TOML
-from ..completion import files as files_of
+from ..arguments import TOML_SUFFIX, beside, file_argument, output_option
 from ..failures import errors_in_one_line, one_line, unwritten
 
 if TYPE_CHECKING:
     from ...superelement import Superelement
 
 BodyFile = Annotated[
-    Path,
-    typer.Argument(
-        metavar="BODY.toml",
-        help="Mesh, section or material, interfaces.",
-        autocompletion=files_of(TOML),
-    ),
+    Path, file_argument("BODY.toml", "Mesh, section or material, interfaces.", TOML_SUFFIX)
 ]
-PreprocessOutput = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="The superelement, or the picture.",
-        show_default=False,
-    ),
+SuperelementOrPicture = Annotated[
+    Path | None, output_option("FILE", "The superelement, or the picture.")
 ]
 DryRun = Annotated[
     bool,
@@ -46,14 +33,13 @@ Processes = Annotated[
         metavar="N",
         min=1,
         help="Spread the mesh over N processes, by MPI and PETSc: for millions of unknowns.",
-        show_default=False,
     ),
 ]
 
 
 def preprocess(
     body_file: BodyFile,
-    output: PreprocessOutput = None,
+    output: SuperelementOrPicture = None,
     dry_run: DryRun = False,
     mpi: Processes = None,
 ) -> None:
@@ -80,14 +66,15 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
     from ... import files, preprocess, superelement
     from ..description import loss_in_words
 
-    target = output or body_file.with_suffix(".h5")
+    target = output or beside(body_file, ".h5")
     with errors_in_one_line(files, preprocess, superelement):
         body = preprocess.read_body(body_file)
+        # Before hours of work, not after them.
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
     doubts = list(preprocess.doubts_of_body(body))
     with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
-        element = build(body, progress=True, told=doubts.append)
+        element = build(body, progress=True, on_warning=doubts.append)
     for doubt in doubts:
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
     with errors_in_one_line(superelement):
@@ -109,7 +96,7 @@ def _survey(body_file: Path, output: Path | None) -> None:
     from ...preprocess.survey import survey
     from ..survey import report, scene
 
-    target = output or body_file.with_suffix(".png")
+    target = output or beside(body_file, ".png")
     with errors_in_one_line(files, preprocess, view):
         body = preprocess.read_body(body_file)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])

@@ -6,14 +6,11 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ResultsFile
+from ..arguments import ResultsFile, Title, beside, output_option
 from ..failures import errors_in_one_line, one_line
-from .animate import shown
+from ..progress import shown_parts
 
-Page = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE.html", show_default=False)
-]
-Title = Annotated[str, typer.Option(metavar="TEXT", help="The name of the results, unless given.")]
+Page = Annotated[Path | None, output_option("FILE.html")]
 Field = Annotated[
     str,
     typer.Option(
@@ -25,7 +22,7 @@ Field = Annotated[
 
 
 def report(
-    results_file: ResultsFile, output: Page = None, title: Title = "", field: Field = ""
+    results_file: ResultsFile, output: Page = None, title: Title = None, field: Field = ""
 ) -> None:
     """Write a page about a run, for any browser: RESULTS.html beside the file, unless given.
 
@@ -36,14 +33,14 @@ def report(
     from ... import view
     from ...results import RecoveryError, Results
 
-    target = output or results_file.with_suffix(".html")
+    target = output or beside(results_file, ".html")
     if field not in ("", *view.REPORT_FIELDS):
         expected = ", ".join(view.REPORT_FIELDS)
         raise typer.BadParameter(f"--field: expected one of {expected}, found {field!r}")
     with errors_in_one_line(view):
         try:
-            with shown("parts") as on_part:
-                view.write_report(Results.read(results_file), target, title, field, on_part)
+            with shown_parts("parts") as on_part:
+                view.write_report(Results.read(results_file), target, title or "", field, on_part)
         except RecoveryError as error:
             raise view.PictureError(str(error)) from error
     megabytes, seconds = target.stat().st_size / 1e6, perf_counter() - start

@@ -6,12 +6,10 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import ModelFile, results_of
+from ..arguments import ModelFile, output_option, results_of
 from ..failures import errors_in_one_line, one_line, unwritten
 
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE.h5", show_default=False)
-]
+Output = Annotated[Path | None, output_option("FILE.h5")]
 Resume = Annotated[
     bool,
     typer.Option(
@@ -38,6 +36,7 @@ def run(
     from ..run_report import report
 
     target = output or results_of(model_file)
+    # Once steps are made, `simulate` says itself what an interrupt leaves.
     unbegun = unwritten(target, "before the first step")
     with errors_in_one_line(solver, superelement), unbegun:
         model = solver.read_model(model_file)

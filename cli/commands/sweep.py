@@ -6,28 +6,16 @@ from typing import Annotated
 
 import typer
 
-from ..arguments import TOML
-from ..completion import files as files_of
+from ..arguments import TOML_SUFFIX, file_argument, output_option
 from ..failures import errors_in_one_line, one_line
 from .plot import plot_summary
 
 StudyFile = Annotated[
     Path,
-    typer.Argument(
-        metavar="STUDY.toml",
-        help="A model or body, and values of its parameters.",
-        autocompletion=files_of(TOML),
-    ),
+    file_argument("STUDY.toml", "A model or body, and values of its parameters.", TOML_SUFFIX),
 ]
 StudyFolder = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FOLDER",
-        help="The cases: STUDY beside the study file.",
-        show_default=False,
-    ),
+    Path | None, output_option("FOLDER", "The cases: STUDY beside the study file.")
 ]
 Workers = Annotated[
     int | None,
@@ -78,5 +66,6 @@ def sweep(
     typer.echo(one_line(f"{plan.summary}: {len(rows)} cases, {told(rows)}, {seconds:.1f} s"))
     if plot:
         plot_summary(plan.summary, [], None, None)
+    # Last, for the cases that did not fail are told and drawn all the same.
     if failed:
         raise typer.Exit(1)

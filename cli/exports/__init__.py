@@ -11,8 +11,8 @@ from .export import EXPORT_OPTIONS, EXPORTS, Asked
 
 __all__ = ["EXPORTS", "EXPORT_OPTIONS", "Asked", "described", "takers"]
 
+# Files in the order of the help, which has all others after these.
 FORMAT_ORDER = ("vtk", "csv", "mat", "loads")
-"""files in the order of the help, which has all others after these"""
 
 _names = sorted(module.name for module in iter_modules(__path__))
 for _module in (*FORMAT_ORDER, *(name for name in _names if name not in FORMAT_ORDER)):

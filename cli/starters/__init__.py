@@ -10,17 +10,17 @@ from ...files.outputs import in_words
 
 __all__ = ["StarterError", "commands", "make"]
 
-KINDS = Literal["beam", "solid", "mechanism"]
-MODEL = "model.toml"
-README = "README.md"
-SCHEMAS = "schemas"
+StarterKind = Literal["beam", "solid", "mechanism"]
+MODEL_NAME = "model.toml"
+README_NAME = "README.md"
+SCHEMA_FOLDER = "schemas"
 
 
 class StarterError(ValueError):
     """A folder in which no project can be made."""
 
 
-def make(kind: KINDS, folder: Path, schemas: Mapping[str, Any]) -> None:
+def make(kind: StarterKind, folder: Path, schemas: Mapping[str, Any]) -> None:
     """Write the starter project of a kind into a folder that is empty, or is made.
 
     schemas: of TOML files, by "body" and "model"; the first line of each file names its own, for
@@ -33,6 +33,7 @@ def make(kind: KINDS, folder: Path, schemas: Mapping[str, Any]) -> None:
             raise StarterError(f"{folder}: expected a new or an empty folder: nothing is replaced")
         for name, content in _files(kind, schemas):
             path = folder / name
+            # Noted before they are made, so that a full disk leaves nothing behind.
             made += [part for part in (path, *path.parents) if not part.exists()]
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
@@ -41,10 +42,10 @@ def make(kind: KINDS, folder: Path, schemas: Mapping[str, Any]) -> None:
         raise StarterError(f"{folder}: no project can be written: {in_words(error)}") from error
 
 
-def commands(kind: KINDS) -> list[str]:
-    """What to do first in a project: the commands of the first block of its README."""
+def commands(kind: StarterKind) -> list[str]:
+    """What to do first in a project: the commands of the first block of its README_NAME."""
     found: list[str] = []
-    for line in _template(kind).joinpath(README).read_text(encoding="utf-8").splitlines():
+    for line in _template(kind).joinpath(README_NAME).read_text(encoding="utf-8").splitlines():
         if line.startswith("    duhamel "):
             found.append(line.partition("#")[0].strip())
         elif found:
@@ -52,19 +53,19 @@ def commands(kind: KINDS) -> list[str]:
     return found
 
 
-def _files(kind: KINDS, schemas: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:
+def _files(kind: StarterKind, schemas: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:
     """The files of a project by their names, and what is in them."""
     for path in sorted(_template(kind).iterdir()):
         content = path.read_bytes()
         if path.suffix == ".toml":
-            name = "model" if path.name == MODEL else "body"
-            content = f"#:schema {SCHEMAS}/{name}.json\n".encode() + content
+            name = "model" if path.name == MODEL_NAME else "body"
+            content = f"#:schema {SCHEMA_FOLDER}/{name}.json\n".encode() + content
         yield path.name, content
     for name in ("body", "model"):
-        yield f"{SCHEMAS}/{name}.json", f"{json.dumps(schemas[name], indent=2)}\n".encode()
+        yield f"{SCHEMA_FOLDER}/{name}.json", f"{json.dumps(schemas[name], indent=2)}\n".encode()
 
 
-def _template(kind: KINDS) -> Path:
+def _template(kind: StarterKind) -> Path:
     return Path(__file__).with_name(f"{kind}-project")
 
 

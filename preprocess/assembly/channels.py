@@ -60,6 +60,7 @@ def selected_channels(body: Body, source: Source, T: Any) -> SelectedChannels | 
     forces, readings = {}, {}
     for name, load in body.loads.items():
         with _named(source, f"loads.{name}"):
+            # Work stays the same: loads on tied nodes become loads and moments on their frame.
             forces[name] = T.T @ source.forces(load)
     for name, sensor in body.sensors.items():
         with _named(source, f"sensors.{name}"):
@@ -80,6 +81,7 @@ def channel_rows(
     for name, (kind, X, read) in selected.readings.items():
         sensors.append(Sensor(name, kind, X - rigid.center))
         rows.append(read)
+    # Of several processes each sees its own columns: a row is empty only if it is in all.
     table = sp.vstack(rows, format="csr")
     entries = processes.total(np.diff(table.indptr).astype(float))
     return ChannelRows(tuple(patterns), tuple(sensors), table, entries > 0.0)
@@ -99,4 +101,5 @@ def _named(source: Source, key: str) -> Iterator[None]:
     try:
         yield
     except PreprocessError as error:
+        # The same kind of error, which callers tell apart, with the place in front.
         raise type(error)(f"{source.name}: {key}: {error}") from error

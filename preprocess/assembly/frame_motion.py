@@ -34,6 +34,7 @@ class Follower:
         """Of loads (n_dofs, k) on the second derivative by motions a and b: (k, r_a, r_b)."""
         N = np.einsum("nik,nj->kij", loads[self.dofs], self.arms, optimize=True)
         symmetric = 0.5 * (N + N.transpose(0, 2, 1))
+        # w~w~ X = (w.X) w - |w|^2 X: of its work on loads only the symmetric part counts.
         B = symmetric - np.einsum("kii->k", N)[:, None, None] * np.eye(3)
         return np.asarray((self.rotation @ a).T @ B @ (self.rotation @ b))
 
@@ -92,6 +93,7 @@ def _fitted(fit: Fit, arm: Array, u: Array, w: Array) -> Array:
     """
     J = fit.inertia
     H = np.einsum("nik,nj->ijk", u, fit.y)
+    # The moment w2 must balance, for one order of the motions; the other is its transpose.
     pulled = np.einsum("jik,jl->ikl", H, w) - np.einsum("jjk,il->ikl", H, w)
     held = 0.5 * cross(w[:, :, None], (J @ w)[:, None, :])
     moment = pulled - held

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement.validation import Array
-from ..body.selection import InterfaceSelection
+from ..body.selection import Selection
 from ..errors import InterfaceError
 from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.nodes import Nodes
@@ -53,11 +53,11 @@ class Attachment:
 class Attaches(Protocol):
     """A model that turns selections into frames on its dofs."""
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment: ...
+    def attachment(self, selection: Selection) -> Attachment: ...
 
 
 def attachments(
-    table: str, selections: Mapping[str, InterfaceSelection], model: Attaches
+    table: str, selections: Mapping[str, Selection], model: Attaches
 ) -> dict[str, Attachment]:
     """The frames that the selections of a table of the body file pick, by name.
 
@@ -83,8 +83,9 @@ def nodal_frame(node: int, nodes: Nodes) -> Attachment:
     return Attachment(nodes.points[node], rows, np.array([node]))
 
 
-def point_frame(selection: InterfaceSelection, members: IntArray, nodes: Nodes) -> Attachment:
+def point_frame(selection: Selection, members: IntArray, nodes: Nodes) -> Attachment:
     """A frame with six dofs that points carry; the dofs of a single point."""
+    # One point carries no moment; with a position or kind of its own a frame was meant.
     if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
         return nodal_frame(int(members[0]), nodes)
     points = nodes.points[members]
@@ -92,22 +93,23 @@ def point_frame(selection: InterfaceSelection, members: IntArray, nodes: Nodes) 
     X = points.mean(axis=0) if selection.at is None else np.array(selection.at)
     rows = mean_motion_of_points(members, X, nodes)
     fit = fit_of_points(members, nodes)
-    return Attachment(X, rows, members, rigid=selection.kind == "rigid", fit=fit)
+    return Attachment(X, rows, members, rigid=selection.rigid, fit=fit)
 
 
 def facet_frame(
-    selection: InterfaceSelection, numbers: IntArray, faces: Surface, nodes: Nodes
+    selection: Selection, numbers: IntArray, faces: Surface, nodes: Nodes
 ) -> Attachment:
     """A frame with six dofs that the surface of facets `numbers` carries."""
     _check_spread(nodes.points[faces.nodes])
     X = faces.centroid if selection.at is None else np.array(selection.at)
     rows = mean_motion(faces, X, nodes)
-    rigid, fit = selection.kind == "rigid", fit_of_surface(faces, nodes)
-    return Attachment(X, rows, faces.nodes, numbers, faces.area, rigid, fit)
+    fit = fit_of_surface(faces, nodes)
+    return Attachment(X, rows, faces.nodes, numbers, faces.area, selection.rigid, fit)
 
 
 def _check_spread(points: Array) -> None:
     """`InterfaceError` unless there are three points that are not on a line."""
+    # The second singular value is the extent across the line that fits best.
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if len(points) < 3 or radii[1] <= MIN_RADIUS_RATIO * radii[0]:
         raise InterfaceError(

@@ -17,6 +17,7 @@ def lossy_parts(body: Body, source: Source, structure: Structure) -> Mapping[str
     """
     parts = {}
     for name in lossy_groups(body):
+        # A difference of two sums: elements know no groups, and none of theirs is made twice.
         stiffer = replace(source, body=scaled(source.body, {name: 2.0}))  # type: ignore
         parts[name] = assemble_on(body, stiffer).K - structure.K
     return parts

@@ -8,15 +8,13 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from ..body.body import Body, PointMass
-from ..body.selection import InterfaceSelection
+from ..body.selection import Selection
 from ..errors import InterfaceError
 
 
-def mass_selections(body: Body) -> dict[str, InterfaceSelection]:
+def mass_selections(body: Body) -> dict[str, Selection]:
     """The selections of the masses that are not on an interface, by name."""
-    return {
-        name: mass.selection for name, mass in body.masses.items() if mass.selection is not None
-    }
+    return {name: mass for name, mass in body.masses.items() if mass.interface is None}
 
 
 def lumped_mass(
@@ -29,6 +27,7 @@ def lumped_mass(
     the facets alone. As D is exact for rigid motion, so are mass, center of mass and inertia.
     `InterfaceError` for an inertia where nothing rotates.
     """
+    # Sparse throughout: the averaged rows of a large surface fill a dense matrix of their own.
     total = sp.csc_array((n_u, n_u))
     for name, mass in body.masses.items():
         rows = selected[name] if mass.interface is None else interfaces[mass.interface]

@@ -37,6 +37,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ONE_PROCESS) -> Rig
     `MeshError` if the inertia is not positive definite, as that of beams in a line without polar
     inertia.
     """
+    # Any point near the body would do; far from it the moments would cancel.
     middle = processes.agreed(lambda: nodes.points.mean(axis=0))
     A = nodes.rigid_motion(middle)
     moments = processes.total(A.T @ (M @ A))
@@ -55,6 +56,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ONE_PROCESS) -> Rig
 
     A = nodes.rigid_motion(center)
     moments = processes.total(A.T @ (M @ A))
+    # About the center of mass, where nothing couples translation and rotation any more.
     J_rot = 0.5 * (moments[3:, 3:] + moments[3:, 3:].T)
     principal = np.linalg.eigvalsh(J_rot)
     if not (mass > 0.0 and principal[0] > 1e-14 * principal[-1]):
@@ -68,6 +70,7 @@ def rigid_modes(nodes: Nodes, M: Any, processes: Processes = ONE_PROCESS) -> Rig
             f"{', '.join(f'{value:.4g}' for value in principal)} kg m^2: no rigid body has such "
             "polar and rotary inertias of sections, or inertias of masses"
         )
+    # By a factor of the moments: the basis is orthonormal in M, whatever the unit of length.
     U = solve_triangular(np.linalg.cholesky(moments), A.T, lower=True).T
     return RigidModes(A, U, mass, center, J_rot)
 
@@ -77,8 +80,7 @@ def project(w: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> A
 
     w (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    elastic: Array = w - U @ processes.total(U.T @ (M @ w))
-    return elastic
+    return np.asarray(w - U @ processes.total(U.T @ (M @ w)))
 
 
 def relieve(f: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> Array:
@@ -88,5 +90,4 @@ def relieve(f: Array, U: Array, M: Any, processes: Processes = ONE_PROCESS) -> A
 
     f (n_u, k); U (n_u, 6) with U^T M U = I; M (n_u, n_u) -> (n_u, k)
     """
-    balanced: Array = f - M @ (U @ processes.total(U.T @ f))
-    return balanced
+    return np.asarray(f - M @ (U @ processes.total(U.T @ f)))

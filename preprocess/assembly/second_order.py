@@ -104,6 +104,7 @@ class SecondOrder:
         """
         a, b = self.T @ u, self.T @ motions
         D3 = self.elements.third(a, b)
+        # Elements see only what is linear in the dofs: tied nodes swing on arcs besides.
         if self.followers:
             D3 += self._follow(self.K @ a, motions)
             mixed = self._follow(self.K @ b, u, motions).transpose(1, 0, 2)
@@ -234,5 +235,6 @@ def _times(matrix: Array, tensor: Array) -> Array:
 def _symmetric(tensor: Array) -> Array:
     """The mean over all orders of the axes, symmetric to the last bit."""
     orders = list(permutations(range(tensor.ndim)))
+    # Sums of the same terms in another order round differently, so one order is written to all.
     mean = np.sum([tensor.transpose(order) for order in orders], axis=0) / len(orders)
     return np.asarray(mean[tuple(np.sort(np.indices(tensor.shape), axis=0))])

@@ -25,6 +25,7 @@ def nearest_node(selection: Selection, points: Array, size: float) -> int:
     """The node nearest to a point; `InterfaceError` if it is farther than the tolerance."""
     distance = np.linalg.norm(points - np.array(selection.node), axis=1)
     node = int(distance.argmin())
+    # Relative to the mesh: the coordinates in a body file are rounded as the user has them.
     allowed = selection.tolerance * size
     if distance[node] > allowed:
         raise InterfaceError(
@@ -110,6 +111,7 @@ def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
         nodes = np.unique(
             np.concatenate([part.ravel() for part in facets.patch(candidates).values()])
         )
+        # Facets cut by a shape are the usual mistake, so the message says that nodes are there.
         inside = nodes[chosen[nodes]]
         what = "facet of the boundary" if selection.group is None else "facet"
         near = f"only nodes do: {len(inside)}" if len(inside) else "nor does a node"
@@ -132,5 +134,6 @@ def _nodes_of_group(mesh: Mesh, name: str) -> IntArray:
     """The points of a group, each once; the nodes of its cells if it names no points."""
     group = mesh.group(name)
     nodes = {kind: mesh.cells[kind][rows].ravel() for kind, rows in group.cells.items()}
+    # A name often stands for points and for the facets around them; points are meant then.
     points = np.unique(np.concatenate([nodes.get("vertex", NO_NODES), group.points]))
     return points if len(points) else np.unique(np.concatenate(list(nodes.values())))

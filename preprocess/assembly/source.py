@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Protocol
 
 from ...superelement.validation import Array
 from ..body.loads import LoadPattern
-from ..body.selection import InterfaceSelection, SurfaceSelection
+from ..body.selection import Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.inertia import Moved
 from ..mesh.facets import Facets, Patch
@@ -122,7 +122,7 @@ class Source(Protocol):
         """
         ...
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """The frame on the nodes or facets of a selection; `InterfaceError` if it picks none."""
         ...
 

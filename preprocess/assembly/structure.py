@@ -1,7 +1,7 @@
 """The finite element model that kernels are computed from: matrices, rigid modes and interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -27,20 +27,41 @@ RIGID_DOFS = 6  # dofs of a body that cannot deform
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """M u'' + K u = P_C^T p, free in space.
+    """M u'' + K u = P_C^T p, free in space, in mesh axes.
 
-    nodes: the points of the dofs; K [N/m ...] and M [kg ...] (n_u, n_u) sparse and symmetric;
-    rigid: the rigid modes about the center of mass; interfaces, and P_C (n_c, n_u) sparse: u_C =
-    P_C u, so that P_C^T p is the load of interface forces p; T (3 n, n_u) sparse: the displacements
-    of the n points of the source are T u, tied ones included. frames, masses: where interfaces and
-    masses are attached to the source, by name; a mass on an interface has its frame.
-    inertia (n_u, 6): F of the change d = F^T u of the moments of inertia, and so the loads of
-    rotation; None where that is not asked for. channels: rows of load patterns and sensors, None
-    where there are none. turns (3 n, n_u): the rotations of the n points of the source,
-    None where not all of them have rotations. surfaces: those that other bodies may touch, None
-    where there are none. All in mesh axes.
-    processes: where there are several, each has its own rows of vectors (n_u, k), and its own
-    columns of P_C.
+    See `assemble` for an example.
+
+    Parameters
+    ----------
+    nodes : Nodes
+        The points of the dofs; of several processes, of the own ones.
+    K, M : (n_u, n_u), sparse and symmetric
+        [N/m ...] and [kg ...].
+    rigid : RigidModes
+        About the center of mass.
+    interfaces : tuple of Interface
+    P_C : (n_c, n_u), sparse
+        u_C = P_C u, so that P_C^T p is the load of interface forces p.
+    T : (3 n, n_u), sparse
+        The displacements of the n points of the source are T u, tied ones included.
+    frames, masses : mapping of str to Attachment
+        Where interfaces and masses are attached to the source; a mass on an interface has its
+        frame.
+    inertia : (n_u, 6), optional
+        F of the change d = F^T u of the moments of inertia, and so the loads of rotation; None
+        where that is not asked for.
+    channels : ChannelRows, optional
+        Rows of load patterns and sensors.
+    turns : (3 n, n_u), sparse, optional
+        The rotations of the n points of the source; None where not all of them have rotations.
+    lossy : mapping of str to (n_u, n_u)
+        K of each group whose material loses energy, where loss factors differ.
+    surfaces : Patches, optional
+        Those that other bodies may touch.
+    processes : Processes
+        Where there are several, each has its own rows of vectors (n_u, k), and columns of P_C.
+    solvers : list of str
+        What has solved with its matrices, in that order; copies with other rows share the list.
     """
 
     nodes: Nodes
@@ -55,8 +76,10 @@ class Structure:
     inertia: Array | None = None
     channels: ChannelRows | None = None
     turns: Any | None = None
+    lossy: Mapping[str, Any] = field(default_factory=dict)
     surfaces: Patches | None = None
     processes: Processes = ONE_PROCESS
+    solvers: list[str] = field(default_factory=list)
 
     @property
     def n_u(self) -> int:
@@ -80,6 +103,7 @@ class Structure:
         """
         if self.channels is None:
             return self
+        # A zero row would be a load without response, and a zero column in every basis.
         rows = self.channels.rows[self.channels.deforming]
         return replace(self, P_C=sp.vstack([self.P_C, rows], format="csr"))
 
@@ -144,6 +168,7 @@ def attach(body: Body, source: Source) -> Attached:
             name: selected[name] if mass.interface is None else frames[mass.interface]
             for name, mass in body.masses.items()
         }
+        # Masses come after ties, for they may sit on nodes that follow a frame.
         nodes, T, rows = tie(source.nodes, frames)
         selected_rows = {name: frame.rows @ T for name, frame in selected.items()}
         lumped = _symmetric(lumped_mass(body, rows, selected_rows, nodes.n_dofs))
@@ -177,6 +202,7 @@ def assemble_on(body: Body, source: Source) -> Structure:
         M = M + attached.lumped
     for what, matrix in (("stiffness", K), ("mass", M)):
         check_size(source.name, what, largest_entry(matrix.data))
+    # From the matrix that is used, not from the geometry: both then agree to rounding.
     rigid = rigid_modes(nodes, M)
     channels = selected_channels(body, source, T)
     moved = T[source.nodes.displacements.ravel()]

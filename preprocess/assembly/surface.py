@@ -7,12 +7,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...superelement.validation import Array
-from ..mesh.cells import FACET_TYPES
+from ..elements.facet import facet_shapes
 from ..mesh.facets import Patch
 from ..mesh.mesh import IntArray
 from ..mesh.nodes import Nodes, spider
-
-SURFACE_QUADRATURE_DEGREE = 5  # of polynomials that are integrated exactly on flat facets
+from ..sparse import in_columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +40,7 @@ class Surface:
 
 def surface(points: Array, patch: Patch) -> Surface:
     """The isoparametric surface of facets over the points (n_points, 3) of a mesh."""
+    # Numbers among the nodes of the surface keep N small, whatever the size of the mesh.
     nodes = np.unique(np.concatenate([facets.ravel() for facets in patch.values()]))
     pieces = [
         _piece(points[nodes], kind, np.searchsorted(nodes, facets))
@@ -52,24 +52,15 @@ def surface(points: Array, patch: Patch) -> Surface:
 
 def _piece(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array, Any]:
     """x, dA and N of facets (n, k) of one type."""
-    import skfem
-    from skfem.quadrature import get_quadrature
-
-    element: skfem.Element = getattr(skfem, FACET_TYPES[kind].shapes)()
-    xi, weights = get_quadrature(element.refdom, SURFACE_QUADRATURE_DEGREE)
+    N, weights, normals = facet_shapes(points, kind, facets)
     n, k = facets.shape
-    values = [element.lbasis(xi, i) for i in range(k)]
-    N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
-    dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])
-    corners = points[facets]
-    tangents = np.einsum("kdq,fki->dfqi", dN, corners)
-    dA = np.linalg.norm(np.cross(tangents[0], tangents[1]), axis=-1) * weights
+    dA = np.linalg.norm(normals, axis=-1) * weights
     columns = np.broadcast_to(facets[:, None, :], (n, len(weights), k)).ravel()
     table = sp.csr_array(
         (np.tile(N.T.ravel(), n), columns, np.arange(0, len(columns) + 1, k)),
         (dA.size, len(points)),
     )
-    return np.einsum("kq,fki->fqi", N, corners).reshape(-1, 3), dA.ravel(), table
+    return np.einsum("kq,fki->fqi", N, points[facets]).reshape(-1, 3), dA.ravel(), table
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +125,4 @@ def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: No
     G = np.einsum("nij,nik->jk", blocks, spider(nodes.points[members] - middle))
     D = np.linalg.solve(G, blocks.transpose(2, 0, 1).reshape(6, -1))
     D[:3] = spider((X - middle)[None])[0] @ D
-    columns = nodes.displacements[members].ravel()
-    rows = np.repeat(np.arange(6), len(columns))
-    return sp.coo_array((D.ravel(), (rows, np.tile(columns, 6))), shape=(6, nodes.n_dofs)).tocsr()
+    return in_columns(D, nodes.displacements[members].ravel(), nodes.n_dofs)

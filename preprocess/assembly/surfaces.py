@@ -63,6 +63,7 @@ def _surface(name: str, points: Array, patch: Patch, center: Array) -> Surface:
     nodes = faces.nodes
     if not MIN_NODES <= len(nodes) <= MAX_NODES:
         raise InterfaceError(f"expected {MIN_NODES} to {MAX_NODES} nodes, found {len(nodes)}")
+    # Facets by the numbers of nodes within the surface, where these ascend as in the mesh.
     local = np.searchsorted(nodes, facets)
     X = points[nodes]
     return Surface(name, nodes, X - center, local, kind, nodal_normals(X, local, kind), faces.area)
@@ -70,6 +71,7 @@ def _surface(name: str, points: Array, patch: Patch, center: Array) -> Surface:
 
 def _check_elastic(found: Surface, frames: Mapping[str, Attachment]) -> None:
     for name, frame in frames.items():
+        # Nodes that cannot move against each other have a singular compliance.
         if frame.rigid and (shared := int(np.isin(found.nodes, frame.nodes).sum())):
             raise InterfaceError(
                 f"expected nodes that can move against each other, found {shared} on the rigid "
@@ -89,6 +91,7 @@ def nodal_normals(points: Array, facets: IntArray, kind: str) -> Array:
     element: skfem.Element = getattr(skfem, FACET_TYPES[kind].shapes)()
     k = facets.shape[1]
     at_nodes = element.doflocs.T
+    # At the nodes of all facets of a type these are the same.
     gradients = [element.lbasis(at_nodes, i)[1] for i in range(k)]
     dN = np.array([np.broadcast_to(gradient, at_nodes.shape) for gradient in gradients])
     tangents = np.einsum("kdq,fki->dfqi", dN, points[facets])
@@ -107,6 +110,7 @@ def _angles(points: Array, facets: IntArray, corners: int) -> Array:
     sizes = np.linalg.norm(after, axis=2) * np.linalg.norm(before, axis=2)
     cosines = np.einsum("fki,fki->fk", after, before) / sizes
     angles = np.full(facets.shape, np.pi)
+    # Rounding may leave cosines a little beyond 1.
     angles[:, :corners] = np.arccos(np.clip(cosines, -1.0, 1.0))
     angles[:, 2 * corners :] = 2.0 * np.pi
     return angles

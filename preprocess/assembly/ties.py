@@ -41,6 +41,7 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
         old.append(np.repeat(nodes.displacements[attachment.nodes].ravel(), 6))
         new.append(np.tile(frame, 3 * len(attachment.nodes)))
         values.append(arms.ravel())
+        # Nodes of beams turn with the frame as well; those of solids have nothing to turn.
         turning = nodes.first[attachment.nodes[nodes.rotations[attachment.nodes]]]
         old.append((turning[:, None] + np.arange(3, 6)).ravel())
         new.append(np.tile(frame[3:], len(turning)))
@@ -69,6 +70,7 @@ def reduced(matrix: Any, T: Any, n_tied: int) -> Any:
     free = T[:, :n_free].tocsc().indices
     S = T[:, n_free:].tocsr()
     pulled = (matrix @ S).tocsr()
+    # The one block that is a sum of products, and so the one that rounding makes unsymmetric.
     corner = S.T @ pulled
     corner, border = 0.5 * (corner + corner.T), pulled[free]
     rows = matrix.T.tocsr()  # of a symmetric csc matrix: without a copy

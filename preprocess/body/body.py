@@ -2,11 +2,12 @@
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
     BeforeValidator,
+    ConfigDict,
     Field,
     NonNegativeFloat,
     PlainSerializer,
@@ -16,13 +17,11 @@ from pydantic import (
     SerializationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
-    model_validator,
 )
 
 from ...inputs import (
     FORM_OF_NAMES,
     Also,
-    InputError,
     Table,
     Vector,
     document_of,
@@ -30,6 +29,7 @@ from ...inputs import (
     is_name,
     quoted,
     read_table,
+    rule,
 )
 from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
@@ -51,6 +51,7 @@ FilePath = Annotated[Path, Field(strict=False)]
 
 
 def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
+    # A mesh passes as it is: it is large, and was checked when it was made.
     return value if isinstance(value, Mesh) else path_of(value)
 
 
@@ -98,8 +99,8 @@ class PointMass(Selection):
     ) * 3
     interface: str | None = None
 
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
+    @rule
+    def _one_place(self) -> None:
         others = self.selectors | self.model_fields_set & {"at"}
         if self.interface is not None and others:
             raise ValueError(
@@ -110,10 +111,10 @@ class PointMass(Selection):
                 "expected interface, or what it selects on the mesh: node, group, plane, "
                 "..., found none"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _a_mass(self) -> Self:
+    @rule
+    def _a_mass(self) -> None:
+        # Rounding of a turned tensor may leave a tiny negative value, which is no mistake.
         J = np.array(self.inertia)
         if not np.array_equal(J, J.T) or np.linalg.eigvalsh(J)[0] < -1e-12 * np.abs(J).max():
             raise ValueError(
@@ -122,15 +123,6 @@ class PointMass(Selection):
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
-        return self
-
-    @property
-    def selection(self) -> InterfaceSelection | None:
-        """The selection on the mesh; None for a mass on an interface."""
-        if self.interface is not None:
-            return None
-        keys = set(Selection.model_fields)
-        return InterfaceSelection.model_validate(self.model_dump(include=keys, exclude_unset=True))
 
 
 class Impulse(Table):
@@ -153,8 +145,8 @@ class Impulse(Table):
     modes: PositiveInt | None = None
     solver: SolverName = "auto"
 
-    @model_validator(mode="after")
-    def _of_this_world(self) -> Self:
+    @rule
+    def _of_this_world(self) -> None:
         if not SHORTEST <= self.step <= LONGEST_STEP:
             raise ValueError(
                 f"step: expected {SHORTEST:g} to {LONGEST_STEP:g} s, found {self.step:g}"
@@ -163,34 +155,31 @@ class Impulse(Table):
             raise ValueError(
                 f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _below_nyquist(self) -> Self:
+    @rule
+    def _below_nyquist(self) -> None:
         if self.band is not None and self.band > 0.5 / self.step:
             raise ValueError(
                 "band: expected at most the Nyquist frequency of the step, "
                 f"{0.5 / self.step:g} Hz, found {self.band:g}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _solver_of_its_method(self) -> Self:
+    @rule
+    def _solver_of_its_method(self) -> None:
         if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
             raise ValueError(
                 f"solver: expected only with method krylov, found it with {self.method}"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _modes_of_their_methods(self) -> Self:
+    @rule
+    def _modes_of_their_methods(self) -> None:
         if self.method not in TRUNCATED_METHODS:
             if self.modes is not None:
                 raise ValueError(
                     f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
                     f"found it with {self.method}"
                 )
-            return self
+            return
         if self.modes is None:
             raise ValueError(f"modes: method {self.method} needs a number of modes, found none")
         if others := sorted(self.model_fields_set & {"band", "tolerance"}):
@@ -198,7 +187,6 @@ class Impulse(Table):
                 f"{' and '.join(others)}: expected only with other methods: with {self.method} "
                 "the band and its error follow from modes"
             )
-        return self
 
 
 class RecoveredFields(Table):
@@ -246,13 +234,8 @@ class Matrices(Table):
     @property
     def files(self) -> dict[str, Path]:
         """The paths of the files by their keys."""
-        given = {
-            "stiffness": self.stiffness,
-            "mass": self.mass,
-            "nodes": self.nodes,
-            "dofs": self.dofs,
-        }
-        return {key: path for key, path in given.items() if path is not None}
+        # In the order in which messages and digests name them.
+        return self.given("stiffness", "mass", "nodes", "dofs")
 
     def relative_to(self, folder: Path) -> "Matrices":
         return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
@@ -266,7 +249,30 @@ class Body(Table):
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
     tetrahedra with nodes in the middle of their edges.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A ValueError that names each key, what was expected and what was found.
+
+    Examples
+    --------
+    The keys are those of body files; `read_body` reads one.
+
+    >>> rod = Body(
+    ...     name="rod",
+    ...     mesh="rod.msh",
+    ...     material={"E": 210e9, "nu": 0.3, "rho": 7850.0},
+    ...     interfaces={"tip": {"group": "tip"}},
+    ...     impulse={"step": 1e-5, "steps": 1000},
+    ... )
+    >>> rod.impulse.method, rod.files
+    ('auto', (PosixPath('rod.msh'),))
     """
+
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": ["interfaces"]}, {"required": ["surfaces"]}]}
+    )
 
     name: str
     mesh: AnyMesh | None = None
@@ -289,8 +295,8 @@ class Body(Table):
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
-    @model_validator(mode="after")
-    def _one_make(self) -> Self:
+    @rule
+    def _one_make(self) -> None:
         makes = ("section", "sections", "material", "materials")
         keys = [key for key in makes if getattr(self, key)]
         if self.mesh is None and self.matrices is None:
@@ -306,6 +312,9 @@ class Body(Table):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+
+    @rule
+    def _own_names(self) -> None:
         if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
             raise ValueError(
                 f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
@@ -320,6 +329,9 @@ class Body(Table):
             for name in getattr(self, table):
                 if name in self.interfaces:
                     raise ValueError(f"{table}: {quoted(name)} is the name of an interface")
+
+    @rule
+    def _places_that_are_there(self) -> None:
         if self.loads and self.matrices is not None:
             raise ValueError(
                 "loads: expected a mesh, found [matrices], which tell neither surfaces nor volumes"
@@ -337,14 +349,13 @@ class Body(Table):
                 raise ValueError(
                     f"masses.{name}: no interface {mass.interface!r}; there are: {known}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _surfaces_of_solids(self) -> Self:
+    @rule
+    def _surfaces_of_solids(self) -> None:
         if not (self.interfaces or self.surfaces):
             raise ValueError("expected [interfaces.NAME] or [surfaces.NAME], found neither")
         if not self.surfaces:
-            return self
+            return
         for key in ("matrices", "section", "sections"):
             if getattr(self, key):
                 raise ValueError(f"surfaces: expected a mesh of solids, found {key}")
@@ -366,12 +377,11 @@ class Body(Table):
             raise ValueError(
                 "impulse.solver: surfaces need a factor: expected auto or factor, found iterative"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _rotation_of_elements(self) -> Self:
+    @rule
+    def _rotation_of_elements(self) -> None:
         if self.rotation is None:
-            return self
+            return
         if self.impulse.method == "march":
             raise ValueError(
                 "rotation: needs modes, which impulse.method march does not find: "
@@ -390,11 +400,11 @@ class Body(Table):
                     f"rotation.loaded: no interface {quoted(name)}; "
                     f"there are: {', '.join(self.interfaces)}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _losses_in_a_band(self) -> Self:
+    @rule
+    def _losses_in_a_band(self) -> None:
         losses, damping = self.loss_factors, self.damping
+        # Without a band a loss factor would hold at all frequencies, which no material can.
         own = [key for key, part in self._parts.items() if part.loss_factor is not None]
         if own and damping.band is None:
             raise ValueError(
@@ -422,15 +432,11 @@ class Body(Table):
                 "rotation.level: expected 1 with a loss factor, which the energy of level 2 does "
                 "not have, found 2"
             )
-        return self
 
     @property
     def _parts(self) -> dict[str, Section | Material]:
         """Sections or materials by their keys in the file."""
-        parts: dict[str, Section | Material] = {}
-        for key in ("section", "material"):
-            if (whole := getattr(self, key)) is not None:
-                parts[key] = whole
+        parts = self.given("section", "material")
         for key in ("sections", "materials"):
             parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
         return parts
@@ -473,6 +479,7 @@ class Body(Table):
 
         `pydantic.ValidationError`, a ValueError, for other methods and numbers below 1.
         """
+        # Band, tolerance and solver belong to other methods, and would be refused with this one.
         kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
         impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
         return self.model_copy(update={"impulse": impulse})
@@ -480,6 +487,7 @@ class Body(Table):
     @property
     def text(self) -> str:
         """The body file as read; of a body made or changed in Python, its values in JSON."""
+        # Comments of the user are kept only while they describe the body that was built.
         unchanged = self._text and self._as_read == self._values()
         return self._text if unchanged else self.model_dump_json(exclude_unset=True)
 
@@ -489,19 +497,41 @@ class Body(Table):
 
 
 def body_schema() -> dict[str, Any]:
-    """The JSON schema of body files, by which editors complete and check them."""
+    """The JSON schema of body files, by which editors complete and check them.
+
+    Examples
+    --------
+    >>> schema = body_schema()
+    >>> schema["title"], schema["required"]
+    ('A body file of Duhamel', ['name', 'impulse'])
+    """
     return document_of(Body, "A body file of Duhamel")
 
 
 def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file.
+    """Read a body file, whose paths start from its folder.
 
-    `BodyError` names the file, the key, what was found and what was expected.
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    BodyError
+        Names the file, the key, what was found and what was expected.
+
+    Examples
+    --------
+    >>> read_body("no.toml")
+    Traceback (most recent call last):
+    duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
     """
-    try:
-        body, text = read_table(path, Body)
-    except InputError as error:
-        raise BodyError(str(error)) from error
+    body, text = read_table(path, Body, BodyError)
+    # Paths in a file start from the file, not from the folder that the command runs in.
     body = body.relative_to(Path(path).parent)
     body._text, body._as_read = text, body._values()
     return body

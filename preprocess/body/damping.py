@@ -1,14 +1,14 @@
 """The damping of a body file: none, of modes, Rayleigh's, or of the material."""
 
 from itertools import pairwise
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, model_validator
+from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import Also, Table
+from ...inputs import Also, Table, rule
 from ...superelement import Chain
-from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, as_chain, fit
+from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, fit
 
 LARGEST_LOSS = 1.0
 MAX_BAND_RATIO = 1e9  # of the ends of a band
@@ -21,8 +21,8 @@ class Ratios(Table):
     frequencies: tuple[NonNegativeFloat, ...]
     ratios: tuple[NonNegativeFloat, ...]
 
-    @model_validator(mode="after")
-    def _a_table(self) -> Self:
+    @rule
+    def _a_table(self) -> None:
         if len(self.frequencies) != len(self.ratios) or not self.frequencies:
             raise ValueError(
                 "expected a ratio for every frequency, "
@@ -32,7 +32,6 @@ class Ratios(Table):
             raise ValueError(
                 f"frequencies: expected increasing values, found {list(self.frequencies)}"
             )
-        return self
 
 
 Two = tuple[PositiveFloat, PositiveFloat]
@@ -49,8 +48,8 @@ class Rayleigh(Table):
     frequencies: Two | None = None
     ratios: Two | None = None
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
+    @rule
+    def _one_form(self) -> None:
         given = self.model_fields_set
         if given & {"mass", "stiffness"} and given & {"frequencies", "ratios"}:
             raise ValueError(
@@ -62,6 +61,7 @@ class Rayleigh(Table):
             raise ValueError(
                 f"frequencies: expected increasing values, found {list(self.frequencies)}"
             )
+        # A negative coefficient feeds energy into modes outside of the two frequencies.
         if min(self.coefficients) < 0.0 and self.frequencies is not None:
             low, high = self.frequencies
             assert self.ratios is not None
@@ -69,7 +69,6 @@ class Rayleigh(Table):
                 f"ratios: expected the second {low / high:.4g} to {high / low:.4g} times the "
                 f"first, that neither coefficient is negative, found {list(self.ratios)}"
             )
-        return self
 
     @property
     def coefficients(self) -> tuple[float, float]:
@@ -102,10 +101,9 @@ class Damping(Table):
     band: tuple[PositiveFloat, PositiveFloat] | None = None
     reference_frequency: NonNegativeFloat | None = None
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        kinds = ("modal", "rayleigh", "loss_factor")
-        found = [kind for kind in kinds if getattr(self, kind) is not None]
+    @rule
+    def _one_kind(self) -> None:
+        found = list(self.given("modal", "rayleigh", "loss_factor"))
         if len(found) > 1:
             raise ValueError(
                 f"expected one of modal, rayleigh and loss_factor, found {' and '.join(found)}"
@@ -116,12 +114,11 @@ class Damping(Table):
             )
         if self.band is not None and found in (["modal"], ["rayleigh"]):
             raise ValueError(f"band: belongs to loss_factor, found it with {found[0]}")
-        return self
 
-    @model_validator(mode="after")
-    def _can_be_fitted(self) -> Self:
+    @rule
+    def _can_be_fitted(self) -> None:
         if self.band is None:
-            return self
+            return
         low, high = self.band
         if not 1.0 < high / low <= MAX_BAND_RATIO:
             raise ValueError(
@@ -129,7 +126,6 @@ class Damping(Table):
                 f"the first at most, found {[low, high]}"
             )
         check_fit(self.loss_factor or 0.0, self.band)
-        return self
 
     @property
     def reference(self) -> float:
@@ -143,7 +139,8 @@ class Damping(Table):
             return None
         found = fit(self.loss_factor, self.band)
         assert found is not None
-        return as_chain(found, self.loss_factor, self.band, self.reference)
+        ends = found.tau, found.amplitude, self.loss_factor, self.band
+        return Chain(*ends, self.reference, found.ripple)
 
 
 def check_fit(loss_factor: float, band: tuple[float, float]) -> None:

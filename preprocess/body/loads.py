@@ -1,11 +1,8 @@
 """Load patterns of the body file: loads that are spread over a surface, a volume or lines."""
 
-from typing import Self
-
 import numpy as np
-from pydantic import model_validator
 
-from ...inputs import Vector
+from ...inputs import Vector, rule
 from .selection import Selection
 
 LOAD_KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
@@ -24,19 +21,18 @@ class LoadPattern(Selection):
     force_per_volume: Vector | None = None
     force_per_length: Vector | None = None
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        found = [key for key in LOAD_KINDS if getattr(self, key) is not None]
+    @rule
+    def _one_kind(self) -> None:
+        found = self.given(*LOAD_KINDS)
         if len(found) != 1:
             raise ValueError(
                 f"expected one of {', '.join(LOAD_KINDS)}, found {' and '.join(found) or 'none'}"
             )
-        if not np.any(getattr(self, found[0])):
-            raise ValueError(f"{found[0]}: expected a load, found none")
-        return self
+        if not np.any(found[self.kind]):
+            raise ValueError(f"{self.kind}: expected a load, found none")
 
-    @model_validator(mode="after")
-    def _of_extent(self) -> Self:
+    @rule
+    def _of_extent(self) -> None:
         if self.node is not None or self.nodes is not None or "at" in self.model_fields_set:
             raise ValueError(
                 "expected a group, plane, box, sphere or cylinder: a load at one point acts on an "
@@ -47,14 +43,14 @@ class LoadPattern(Selection):
                 f"{self.kind}: expected what it acts on: group, plane, box, sphere or cylinder, "
                 "found none"
             )
+        # Shapes select facets or nodes; which elements lie in one would be a matter of taste.
         if self.kind not in ("pressure", "traction") and self.shapes:
             raise ValueError(
                 f"{self.kind}: expected a group of elements, or none for the whole body, found "
                 f"{', '.join(self.shapes)}"
             )
-        return self
 
     @property
     def kind(self) -> str:
         """The key that says what the load is."""
-        return next(key for key in LOAD_KINDS if getattr(self, key) is not None)
+        return next(iter(self.given(*LOAD_KINDS)))

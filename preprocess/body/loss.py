@@ -17,6 +17,7 @@ STIFFNESS_KEYS = ("E", "G", "EA", "EI_y", "EI_z", "GJ", "GA_y", "GA_z")
 
 def relaxed(body: Body) -> Body:
     """The body with static moduli, with which those of the file hold at the reference."""
+    # Files give moduli at the reference frequency; Maxwell elements add to the static ones.
     softness = {name: 1.0 / factor for name, factor in stiffenings(body).items() if factor != 1.0}
     return scaled(body, softness)
 
@@ -38,6 +39,7 @@ def fits_of(body: Body) -> dict[str, Fit | None]:
     losses, band = body.loss_factors, body.damping.band
     if band is None or not any(losses.values()):
         return dict.fromkeys(losses)
+    # Common relaxation times: modes then share their internal variables, whatever the group.
     widest = fit(max(losses.values()), band)
     assert widest is not None
     return {name: fitted(loss, band, widest.tau) if loss else None for name, loss in losses.items()}

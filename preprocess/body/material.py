@@ -1,11 +1,11 @@
 """Sections of beams and materials of solids."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag, model_validator
+from pydantic import Discriminator, Field, NonNegativeFloat, PositiveFloat, Tag
 
-from ...inputs import Table, Vector
+from ...inputs import Table, Vector, rule
 from ...superelement.validation import Array
 from .damping import LossFactor
 
@@ -44,7 +44,9 @@ class Section(Table):
         more: other fields, as orientation.
         """
         b, a = sorted((width, height))
+        # Terms fall with the fifth power: thirty of them leave less than 1e-8.
         n = np.arange(1.0, 60.0, 2.0)
+        # tanh never overflows, where the usual sinh / cosh does for slender sections.
         series = np.sum(np.tanh(n * np.pi * a / (2.0 * b)) / n**5)
         torsion = a * b**3 / 3.0 * (1.0 - 192.0 / np.pi**5 * b / a * series)
         factor = 10.0 * (1.0 + material.poisson) / (12.0 + 11.0 * material.poisson)
@@ -157,18 +159,18 @@ class Material(Table):
     axes: tuple[Vector, Vector] | None = None
     loss_factor: LossFactor | None = None
 
-    @model_validator(mode="after")
-    def _shear_given(self) -> Self:
+    @rule
+    def _shear_given(self) -> None:
         if self.G is None and (isinstance(self.E, tuple) or isinstance(self.nu, tuple)):
             raise ValueError(
                 "G: missing; only a material with one E and one nu is isotropic and does without"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _axes_span_a_plane(self) -> Self:
+    @rule
+    def _axes_span_a_plane(self) -> None:
         if self.axes is not None:
             one, two = (
+                # A zero axis stays zero, and then spans no plane.
                 np.array(axis) / max(np.linalg.norm(axis), np.finfo(float).tiny)
                 for axis in self.axes
             )
@@ -176,29 +178,27 @@ class Material(Table):
                 raise ValueError(
                     f"axes: expected two vectors that span a plane, found {list(self.axes)}"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _stores_energy(self) -> Self:
+    @rule
+    def _stores_energy(self) -> None:
         with np.errstate(divide="ignore"):
             stiffness = np.sort(1.0 / np.linalg.eigvalsh(self._compliance))
+        # The ratio bounds what rounding would do to the inverse of the compliance.
         if not (stiffness[0] > 0.0 and stiffness[-1] < 1e12 * stiffness[0]):
             raise ValueError(
                 "expected E, nu and G of a positive definite elasticity matrix, found "
                 f"eigenvalues of {', '.join(f'{value:.4g}' for value in stiffness)} Pa; "
                 "nu_ij^2 must be less than E_i / E_j"
             )
-        return self
 
-    @model_validator(mode="after")
-    def _changes_its_volume(self) -> Self:
+    @rule
+    def _changes_its_volume(self) -> None:
         rounding = 1.0 + 1e-9
         if self._relative_bulk_modulus > rounding * _bulk_over_shear(LARGEST_RATIO):
             raise ValueError(
                 f"nu: expected at most {LARGEST_RATIO}, found {self.nu}: solids that keep their "
                 f"volume are not supported; use {LARGEST_RATIO}, or the measured bulk modulus"
             )
-        return self
 
     @property
     def young(self) -> float:
@@ -224,16 +224,14 @@ class Material(Table):
     def elasticity(self) -> Array:
         """C (6, 6) [Pa] in mesh axes, in the order of `STRESS_ORDER`: stresses = C strains."""
         i, j = np.array(STRESS_ORDER).T
-        C: Array = self.elasticity_tensor[i[:, None], j[:, None], i, j]
-        return C
+        return np.asarray(self.elasticity_tensor[i[:, None], j[:, None], i, j])
 
     @property
     def elasticity_tensor(self) -> Array:
         """C (3, 3, 3, 3) [Pa] in mesh axes: sigma_ij = C_ijkl epsilon_kl."""
         C = np.linalg.inv(self._compliance)[_PLACE[:, :, None, None], _PLACE]
         R = self._directions
-        turned: Array = np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True)
-        return turned
+        return np.asarray(np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True))
 
     @property
     def nearly_incompressible(self) -> bool:
@@ -260,6 +258,7 @@ class Material(Table):
     def _compliance(self) -> Array:
         """S (6, 6) [1/Pa] in the axes of the material: strains from stresses."""
         E, nu = np.broadcast_to(self.E, 3), np.broadcast_to(self.nu, 3)
+        # One E and one nu: the validator has refused all else without G.
         G = np.broadcast_to(self.E / (2.0 * (1.0 + self.nu)) if self.G is None else self.G, 3)  # type: ignore[operator]
         S = np.diag(1.0 / np.concatenate([E, G[::-1]]))
         for value, i, j in zip(nu, (0, 0, 1), (1, 2, 2), strict=True):
@@ -273,5 +272,4 @@ class Material(Table):
             return np.eye(3)
         one, third = np.array(self.axes[0]), np.cross(*self.axes)
         rows = np.array([one, np.cross(third, one), third])
-        unit: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
-        return unit
+        return np.asarray(rows / np.linalg.norm(rows, axis=1)[:, None])

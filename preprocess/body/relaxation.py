@@ -6,7 +6,6 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import nnls
 
-from ...superelement.chain import Chain
 from ...superelement.validation import Array
 
 MAX_LOSS_RIPPLE = 0.02  # deviation of the loss factor within the band, relative to it
@@ -48,6 +47,7 @@ def fit(loss_factor: float, band: tuple[float, float]) -> Fit | None:
 def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     """The amplitudes of elements of given relaxation times."""
     decades = np.log10(band[1] / band[0])
+    # Dense enough that no ripple of the loss hides between two frequencies.
     omega = 2.0 * np.pi * np.geomspace(*band, int(PER_DECADE * (1.0 + decades)))
     x = 1j * np.multiply.outer(omega, tau)
     X = x / (1.0 + x)
@@ -55,10 +55,6 @@ def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     c = 1.0 + X @ amplitude
     ripple = np.abs(c.imag / (loss_factor * c.real) - 1.0).max()
     return Fit(tau, amplitude, float(ripple))
-
-
-def as_chain(found: Fit, loss_factor: float, band: tuple[float, float], reference: float) -> Chain:
-    return Chain(found.tau, found.amplitude, loss_factor, band, reference, found.ripple)
 
 
 def stiffening(found: Fit, reference: float) -> float:
@@ -71,7 +67,7 @@ def _times(band: tuple[float, float], n: int, overhang: float) -> Array:
     """n times from the upper end of a band to the lower one, and so far beyond both."""
     low, high = (1.0 / (2.0 * np.pi * frequency) for frequency in band[::-1])
     first, last = low * np.exp(-overhang), high * np.exp(overhang)
+    # One element sits in the middle; times must differ, or the fit is singular.
     if n == 1 or first >= last:
         first, last = np.sqrt(low * high) * np.array([1.0, 1.0 + 1e-3 * n])
-    times: Array = np.geomspace(first, last, n)
-    return times
+    return np.asarray(np.geomspace(first, last, n))

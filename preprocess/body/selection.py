@@ -1,12 +1,12 @@
 """Selections on a mesh: nodes, groups and shapes in space."""
 
-from typing import Annotated, Literal, Protocol, Self
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import Table, Vector
+from ...inputs import Table, Vector, rule
 from ...superelement.validation import Array
 
 Chosen = NDArray[np.bool_]
@@ -27,17 +27,16 @@ class Plane(Table):
     normal: Vector
     tolerance: PositiveFloat = 1e-6
 
-    @model_validator(mode="after")
-    def _has_direction(self) -> Self:
+    @rule
+    def _has_direction(self) -> None:
         if not any(self.normal):
             raise ValueError("normal: expected a vector that is not zero")
-        return self
 
     def holds(self, points: Array, size: float) -> Chosen:
         """|(X - point) . n| <= tolerance size"""
+        # The normal need not be a unit vector; the tolerance is then still a length.
         height = (points - self.point) @ (np.array(self.normal) / np.linalg.norm(self.normal))
-        near: Chosen = np.abs(height) <= self.tolerance * size
-        return near
+        return np.asarray(np.abs(height) <= self.tolerance * size)
 
 
 class Box(Table):
@@ -48,10 +47,10 @@ class Box(Table):
 
     def holds(self, points: Array, size: float) -> Chosen:
         """lower <= X <= upper, component by component"""
+        # Nodes of a plane face differ by rounding: an exact comparison would lose some of them.
         margin = self.tolerance * size
         lower, upper = np.sort(self.corners, axis=0)
-        inside: Chosen = ((points >= lower - margin) & (points <= upper + margin)).all(axis=1)
-        return inside
+        return np.asarray(((points >= lower - margin) & (points <= upper + margin)).all(axis=1))
 
 
 class Sphere(Table):
@@ -80,15 +79,14 @@ class Cylinder(Table):
     inner: NonNegativeFloat = 0.0
     tolerance: PositiveFloat = 1e-6
 
-    @model_validator(mode="after")
-    def _is_a_cylinder(self) -> Self:
+    @rule
+    def _is_a_cylinder(self) -> None:
         if self.axis[0] == self.axis[1]:
             raise ValueError(f"axis: expected two points, found {list(self.axis[0])} twice")
         if self.inner > self.radius:
             raise ValueError(
                 f"inner: expected at most the radius, {self.radius}, found {self.inner}"
             )
-        return self
 
     def holds(self, points: Array, size: float) -> Chosen:
         """0 <= z <= length and inner <= r <= radius, with z along the axis and r across"""
@@ -105,6 +103,9 @@ class Cylinder(Table):
             & (r <= self.radius + margin)
         )
         return inside
+
+
+SHAPE_KEYS = ("plane", "box", "sphere", "cylinder")
 
 
 class Selection(Table):
@@ -131,15 +132,15 @@ class Selection(Table):
     at: Vector | None = None
     tolerance: PositiveFloat = 1e-3
 
-    @model_validator(mode="after")
-    def _node_stands_alone(self) -> Self:
+    @rule
+    def _node_stands_alone(self) -> None:
+        # The nearest node is one node, whatever else is selected: nothing could be intersected.
         others = self.selectors - {"node"} | self.model_fields_set & {"kind", "at"}
         if self.node is not None and others:
             raise ValueError(f"node stands alone, found it with {' and '.join(sorted(others))}")
         others = self.selectors - {"nodes"}
         if self.nodes is not None and others:
             raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(others))}")
-        return self
 
     def __and__(self, other: "Selection") -> "Selection":
         """What both select; ValueError where both give the same key, as two planes do."""
@@ -154,19 +155,17 @@ class Selection(Table):
     @property
     def selectors(self) -> set[str]:
         """The keys that select something."""
-        values = {"node": self.node, "nodes": self.nodes, "group": self.group, **self.shapes}
-        return {key for key, value in values.items() if value is not None}
+        return set(self.given("node", "nodes", "group", *SHAPE_KEYS))
 
     @property
     def shapes(self) -> dict[str, Shape]:
         """The shapes in space, by their keys."""
-        shapes = {
-            "plane": self.plane,
-            "box": self.box,
-            "sphere": self.sphere,
-            "cylinder": self.cylinder,
-        }
-        return {key: shape for key, shape in shapes.items() if shape is not None}
+        return self.given(*SHAPE_KEYS)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether what is selected follows its frame as one piece; else the frame follows it."""
+        return False
 
     def holds(self, points: Array, size: float) -> Chosen:
         """True (n,) for the points (n, 3) inside all of the shapes; all points without shapes."""
@@ -191,14 +190,17 @@ class InterfaceSelection(Selection):
 
     kind: Literal["average", "rigid"] = "average"
 
-    @model_validator(mode="after")
-    def _selects(self) -> Self:
+    @rule
+    def _selects(self) -> None:
         if not self.selectors:
             raise ValueError(
                 "expected node, or one or more of group, plane, box, sphere and cylinder, "
                 "found none"
             )
-        return self
+
+    @property
+    def rigid(self) -> bool:
+        return self.kind == "rigid"
 
 
 class SurfaceSelection(Selection):
@@ -207,12 +209,11 @@ class SurfaceSelection(Selection):
     Facets of the boundary in a group, or that lie in shapes as a whole, all of one type.
     """
 
-    @model_validator(mode="after")
-    def _of_facets(self) -> Self:
-        single = sorted({"node", "nodes", "at"} & self.model_fields_set)
+    @rule
+    def _of_facets(self) -> None:
+        single = self.given("node", "nodes", "at")
         if single or not self.selectors:
             raise ValueError(
                 "expected facets, by one or more of group, plane, box, sphere and cylinder, "
-                f"found {' and '.join(single) or 'none'}"
+                f"found {' and '.join(sorted(single)) or 'none'}"
             )
-        return self

@@ -1,10 +1,6 @@
 """Sensors of the body file: points that are read, and never loaded."""
 
-from typing import Self
-
-from pydantic import model_validator
-
-from ...inputs import Table, Vector
+from ...inputs import Table, Vector, rule
 
 
 class SensorPoint(Table):
@@ -20,17 +16,17 @@ class SensorPoint(Table):
     length: float | None = None
     stress: bool = False
 
-    @model_validator(mode="after")
-    def _one_reading(self) -> Self:
+    @rule
+    def _one_reading(self) -> None:
         if self.direction is not None and self.stress:
             raise ValueError("expected one of direction and stress, found both")
         if self.direction is not None and not any(self.direction):
             raise ValueError("direction: expected a vector that is not zero")
         if self.length is not None and self.direction is None:
             raise ValueError("length: a strain gauge needs a direction, found none")
+        # Negated, so that a value that is no number is refused as well.
         if self.length is not None and not self.length > 0.0:
             raise ValueError(f"length: expected a positive number, found {self.length}")
-        return self
 
     @property
     def kind(self) -> str:

@@ -17,9 +17,32 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
 
     Paths of meshes and matrices are relative to the new file. A mesh in memory is written beside
     it, as a file of VTK with the same name.
-    `BodyError` or `MeshError` names the file that cannot be written.
+
+    Parameters
+    ----------
+    body : Body
+    path : path
+
+    Raises
+    ------
+    BodyError, MeshError
+        Names the file that cannot be written.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    >>> beam = du.Beam([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0)], section=section)
+    >>> beam.interface("tip", (1.0, 0.0, 0.0))
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     write_body(beam.body(step=1e-4), Path(folder) / "beam.toml")
+    ...     sorted(path.name for path in Path(folder).iterdir())
+    ['beam.toml', 'beam.vtu']
     """
     path = Path(path)
+    # Only what was given: defaults may change, and a file is to stay as its author meant it.
     table = body.model_dump(exclude_unset=True, exclude_none=True)
     if isinstance(body.mesh, Mesh):
         beside = path.with_suffix(".vtu")

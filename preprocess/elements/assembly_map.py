@@ -90,6 +90,7 @@ def pattern(elements: Mapping[str, IntArray], n_nodes: int) -> Pattern:
     numbers = sum(_neighbors(cells, n_nodes) for cells in elements.values())
     numbers.sort_indices()
     of_row = np.repeat(np.arange(n_nodes), np.diff(numbers.indptr))
+    # Half of the blocks are stored: the other half are their transposes.
     upper = numbers.indices >= of_row
     n_blocks = int(np.count_nonzero(upper))
     counted = np.arange(n_blocks, dtype=numbers.indices.dtype)

@@ -81,6 +81,7 @@ def lengths_and_axes(mesh: Mesh, sections: list[Section]) -> tuple[Array, Array]
             y[i] = np.array(section.orientation) / max(
                 np.linalg.norm(section.orientation), np.finfo(float).tiny
             )
+    # What is left is across the beam; nothing is left of a vector along it, which is refused.
     y -= np.einsum("ei,ei->e", x, y)[:, None] * x
     norm = np.linalg.norm(y, axis=1)
     if (parallel := np.flatnonzero(norm < 1e-6)).size:
@@ -155,8 +156,7 @@ def _bending_stiffness(L: Array, EI: Array, Phi: Array) -> Array:
     ]
     upper = np.array(rows).transpose(2, 0, 1)
     factor = EI / (L**3 * (1.0 + Phi))
-    matrix: Array = factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1))
-    return matrix
+    return np.asarray(factor[:, None, None] * (upper + np.triu(upper, 1).transpose(0, 2, 1)))
 
 
 def _local_mass(L: Array, p: BeamProperties) -> Array:

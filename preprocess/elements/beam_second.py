@@ -213,9 +213,10 @@ def beam_tensors(mesh: Mesh, sections: list[Section], center: Array) -> BeamTens
 
 def _second_strains(a: _State, b: _State) -> Array:
     """Twice the second order strains (n_rows, r_a, r_b) of two states."""
-    ua, wa, ka, sa, da = (_rows_of(x) for x in (a.slope, a.rotation, a.curvature, a.spin, a.ends))
+    # Motions of a are rows, those of b columns of what each product makes.
+    ua, wa, ka, sa, da = (x[..., None] for x in (a.slope, a.rotation, a.curvature, a.spin, a.ends))
     ub, wb, kb, sb, db = (
-        _columns_of(x) for x in (b.slope, b.rotation, b.curvature, b.spin, b.ends)
+        x[..., None, :] for x in (b.slope, b.rotation, b.curvature, b.spin, b.ends)
     )
     e1 = AXIS_OF_BEAM[:, None, None, None]
     stretch = 0.5 * (cross(wa, cross(wb, e1)) + cross(wb, cross(wa, e1)))
@@ -225,14 +226,6 @@ def _second_strains(a: _State, b: _State) -> Array:
     return np.concatenate(
         [part.reshape(-1, *part.shape[-2:]) for part in (stretch, bending, turning)]
     )
-
-
-def _rows_of(x: Array) -> Array:
-    return x[..., :, None]
-
-
-def _columns_of(x: Array) -> Array:
-    return x[..., None, :]
 
 
 def _rows(x: Array) -> Array:

@@ -35,6 +35,7 @@ def bending_excess(mesh: Mesh, materials: Sequence[Material], owners: IntArray) 
     s = _stretched(materials[int(np.bincount(owners).argmax())], axes[2])
     energies = np.zeros((2, 2))
     for kind in mesh.elements:
+        # One type that holds bending is enough: neighbors of it could not mix with the others.
         if kind not in CORNER_NODE_SOLIDS:
             return 1.0
         of_kind = mesh.of_kind(owners, kind)

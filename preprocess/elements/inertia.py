@@ -27,8 +27,7 @@ Moved = tuple[IntArray, Array]
 def vector_of(tensors: Array) -> Array:
     """The six numbers (6, ...) of symmetric matrices (3, 3, ...)."""
     rows, columns = np.array(STRESS_ORDER).T
-    six: Array = tensors[rows, columns]
-    return six
+    return np.asarray(tensors[rows, columns])
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -160,6 +159,7 @@ def scalar_mass(M: Any) -> Any | None:
     M = M.tocsr()
     M_s = M[0::3, 0::3]
     parts = [[M[i::3, j::3] for j in range(3)] for i in range(3)]
+    # Lumped masses with arms, or dofs in local axes, couple directions.
     off = max(abs(parts[i][j]).max() for i in range(3) for j in range(3) if i != j)
     apart = max(abs(parts[i][i] - M_s).max() for i in range(3))
     return M_s if max(off, apart) <= 1e-10 * abs(M_s).max() else None

@@ -30,6 +30,7 @@ def locate(mesh: Mesh, point: Array) -> Location:
     for kind, cells in mesh.elements.items():
         corners = mesh.points[cells]
         low, high = corners.min(axis=1), corners.max(axis=1)
+        # Curved faces bulge beyond the box of their nodes.
         margin = 0.1 * np.linalg.norm(high - low, axis=1)[:, None]
         near = ((point >= low - margin) & (point <= high + margin)).all(axis=1)
         solid = solid_element(kind)
@@ -57,6 +58,7 @@ def _inverse(solid: SolidElement, corners: Array, point: Array) -> Array:
             change = np.linalg.solve(J, missed)
         except np.linalg.LinAlgError:
             break
+        # Far outside, the map of a curved element folds, and Newton's method would run away.
         xi = np.clip(xi + change, -2.0, 3.0)
         if np.abs(change).max() < LOCATION_TOLERANCE:
             return np.asarray(xi)

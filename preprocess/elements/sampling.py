@@ -3,11 +3,11 @@
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ...superelement.validation import Array
 from ..body.material import Material
 from ..mesh.mesh import Mesh
+from ..mesh.nodes import node_dofs
+from ..sparse import in_columns
 from .assumed import assumed
 from .element import solid_element
 from .location import Location
@@ -19,7 +19,7 @@ def displacement_rows(mesh: Mesh, place: Location) -> Any:
     solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
     N = solid.N(place.xi[:, None])[:, 0]
     blocks = np.einsum("k,ij->ikj", N, np.eye(3)).reshape(3, -1)
-    return _spread(blocks, cell, len(mesh.points))
+    return in_columns(blocks, node_dofs(cell[None], 3)[0], 3 * len(mesh.points))
 
 
 def point_strain_rows(mesh: Mesh, place: Location, material: Material) -> Any:
@@ -31,12 +31,4 @@ def point_strain_rows(mesh: Mesh, place: Location, material: Material) -> Any:
     cell, samples = mesh.cells[place.kind][place.row], solid_element(place.kind).samples
     strained = assumed(place.kind, material).on(mesh.points[cell][None], material.elasticity)
     blocks = strained.strains(samples)[0] @ at_samples(place.kind, place.xi[:, None])[0]
-    return _spread(blocks, cell, len(mesh.points))
-
-
-def _spread(blocks: Array, cell: Any, n_points: int) -> Any:
-    """Rows (r, 3 n) from those of the nodes of one element (r, 3 k)."""
-    columns = (3 * cell[:, None] + np.arange(3)).ravel()
-    rows = np.repeat(np.arange(len(blocks)), len(columns))
-    entries = (blocks.ravel(), (rows, np.tile(columns, len(blocks))))
-    return sp.coo_array(entries, shape=(len(blocks), 3 * n_points)).tocsr()
+    return in_columns(blocks, node_dofs(cell[None], 3)[0], 3 * len(mesh.points))

@@ -3,12 +3,13 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.material import Section
 from ..errors import BodyError
 from ..mesh.mesh import Mesh
+from ..mesh.nodes import node_dofs
+from ..sparse import in_columns
 from .beam import beam_properties, lengths_and_axes, section_motion
 from .inertia import LEVI_CIVITA
 
@@ -84,8 +85,5 @@ class Beams:
     def _spread(self, local: Array, line: int) -> Any:
         """Rows (r, 6 n) from those (r, 12) by the local dofs of one line."""
         turn = np.kron(np.eye(4), self._axes[line])
-        columns = (6 * self._mesh.cells["line"][line][:, None] + np.arange(6)).ravel()
-        values = local @ turn
-        rows = np.repeat(np.arange(len(values)), len(columns))
-        entries = (values.ravel(), (rows, np.tile(columns, len(values))))
-        return sp.coo_array(entries, shape=(len(values), 6 * len(self._mesh.points))).tocsr()
+        columns = node_dofs(self._mesh.cells["line"][line][None], 6)[0]
+        return in_columns(local @ turn, columns, 6 * len(self._mesh.points))

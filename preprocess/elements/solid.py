@@ -89,15 +89,17 @@ def _element_matrices(kind: str, X: Array, material: Material) -> tuple[Array, A
 
 def volumes(mesh: Mesh) -> Array:
     """The volume (n_elements,) [m^3] of every element."""
-    batches = []
+    return np.concatenate([det @ weights for _, det, weights in _determinants(mesh)])
+
+
+def _determinants(mesh: Mesh) -> Iterator[tuple[Array, Array, Array]]:
+    """Nodes X (n, k, 3), det J (n, q) and weights (q,) of batches of elements, in their order."""
     for kind, cells in mesh.elements.items():
         element = solid_element(kind)
         dN = element.dN(element.xi)
-        for _, rows in batched(
-            np.zeros(len(cells), dtype=np.int64), max(1, GRADIENT_BATCH // dN.size)
-        ):
-            batches.append(cofactors(dN, mesh.points[cells[rows]])[1] @ element.weights)
-    return np.concatenate(batches)
+        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), GRADIENT_BATCH // dN.size):
+            X = mesh.points[cells[rows]]
+            yield X, cofactors(dN, X)[1], element.weights
 
 
 def check_jacobians(mesh: Mesh) -> None:
@@ -106,13 +108,10 @@ def check_jacobians(mesh: Mesh) -> None:
     `MeshError` names one that does not.
     """
     lowest, relative = [], []
-    for kind, cells in mesh.elements.items():
-        element = solid_element(kind)
-        dN = element.dN(element.xi)
-        for _, rows in batched(np.zeros(len(cells), dtype=np.int64), GRADIENT_BATCH // dN.size):
-            X = mesh.points[cells[rows]]
-            lowest.append(cofactors(dN, X)[1].min(axis=1))
-            relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)
+    # Relative to the diameter, so that the bound holds in any unit of length.
+    for X, det, _ in _determinants(mesh):
+        lowest.append(det.min(axis=1))
+        relative.append(lowest[-1] / np.linalg.norm(np.ptp(X, axis=1), axis=1) ** 3)
     worst = np.concatenate(relative)
     bad = np.flatnonzero(worst <= MIN_RELATIVE_JACOBIAN)
     if bad.size:

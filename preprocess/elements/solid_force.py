@@ -5,12 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...superelement.validation import Array
-from ..mesh.cells import FACET_TYPES
 from ..mesh.facets import Patch
 from ..mesh.mesh import IntArray, Mesh
 from .element import cofactors, solid_element
-
-FACET_QUADRATURE_DEGREE = 5  # of polynomials that are integrated exactly on flat facets
+from .facet import facet_shapes
 
 
 def pressure_forces(points: Array, patch: Patch, pressure: float) -> Array:
@@ -20,8 +18,9 @@ def pressure_forces(points: Array, patch: Patch, pressure: float) -> Array:
     """
     total = np.zeros_like(points)
     for kind, facets in patch.items():
-        N, normals = _normals(points, kind, facets)
-        forces = -pressure * np.einsum("kq,fqi->fki", N, normals)
+        N, weights, normals = facet_shapes(points, kind, facets)
+        forces = -pressure * np.einsum("kq,fqi->fki", N, normals * weights[:, None])
+        # Facets share nodes: an indexed sum would keep the last facet alone.
         np.add.at(total, facets.ravel(), forces.reshape(-1, 3))
     return total
 
@@ -30,8 +29,8 @@ def traction_forces(points: Array, patch: Patch, traction: Array) -> Array:
     """Forces (n_points, 3) of a traction (3,) on facets, f_i = traction int N_i dA."""
     total = np.zeros_like(points)
     for kind, facets in patch.items():
-        N, normals = _normals(points, kind, facets)
-        areas = np.linalg.norm(normals, axis=2) @ N.T
+        N, weights, normals = facet_shapes(points, kind, facets)
+        areas = np.linalg.norm(normals * weights[:, None], axis=2) @ N.T
         np.add.at(total, facets.ravel(), areas.ravel()[:, None] * traction)
     return total
 
@@ -48,17 +47,3 @@ def volume_forces(mesh: Mesh, elements: Mapping[str, IntArray], density: Array) 
         volumes = (det * solid.weights) @ solid.N(solid.xi).T
         np.add.at(total, cells.ravel(), volumes.ravel()[:, None] * density)
     return total
-
-
-def _normals(points: Array, kind: str, facets: IntArray) -> tuple[Array, Array]:
-    """Shapes N (k, q), and normals times areas (n, q, 3) of facets (n, k) that turn outwards."""
-    import skfem
-    from skfem.quadrature import get_quadrature
-
-    element = getattr(skfem, FACET_TYPES[kind].shapes)()
-    xi, weights = get_quadrature(element.refdom, FACET_QUADRATURE_DEGREE)
-    values = [element.lbasis(xi, i) for i in range(facets.shape[1])]
-    N = np.array([np.broadcast_to(value, weights.shape) for value, _ in values])
-    dN = np.array([np.broadcast_to(gradient, xi.shape) for _, gradient in values])
-    tangents = np.einsum("kdq,fki->dfqi", dN, points[facets])
-    return N, np.cross(tangents[0], tangents[1]) * weights[:, None]

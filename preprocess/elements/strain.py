@@ -42,6 +42,7 @@ def strain_rows(
     for kind, numbers in points.items():
         carry, samples = _extrapolation(kind), solid_element(kind).samples
         k = numbers.shape[1]
+        # Inner elements touch no point of the surface: their strains would fill the memory.
         used = (numbers >= 0).any(axis=1)
         of_kind = np.where(used, mesh.of_kind(owners, kind), NO_OWNER)
         for owner, rows in batched(of_kind, max(1, STRAIN_BATCH // (18 * k * samples.shape[1]))):

@@ -6,17 +6,18 @@ import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...files import FileError, hdf5, in_one_line, require_regular
+from ...files import hdf5, in_one_line
 from ...files.memory import shortage
 from ...superelement.validation import Array
-from ..errors import MatrixError, MeshError
+from ..errors import MatrixError, about
 from ..mesh.mesh import IntArray
+from ..mesh.numbering import is_whole
 
 # Exceptions of numpy, scipy and zipfile.
 MATRIX_DAMAGE = (
@@ -31,21 +32,9 @@ MATRIX_DAMAGE = (
 BYTES_AT_ONCE = 1 << 24
 
 
-@contextmanager
-def about(path: Path, what: str) -> Iterator[None]:
-    """Errors name the file, which must be a regular one."""
-    try:
-        require_regular(path)
-        yield
-    except FileNotFoundError as error:
-        raise MatrixError(f"{path}: no such file of {what}") from error
-    except MeshError:  # that name their file themselves
-        raise
-    except (MatrixError, FileError) as error:
-        text = str(error)
-        raise MatrixError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except MATRIX_DAMAGE as error:
-        raise MatrixError(f"{path}: expected {what}: {in_one_line(error)}") from error
+def about_matrices(path: Path, what: str) -> AbstractContextManager[None]:
+    """Errors name the file of `what`, which must be a regular one."""
+    return about(path, MatrixError, f"file of {what}", f"expected {what}", MATRIX_DAMAGE)
 
 
 @contextmanager
@@ -53,6 +42,7 @@ def arrays(path: Path, what: str) -> Iterator[None]:
     """For reading a .npz file, whose arrays must fit into memory; errors say what was expected."""
     try:
         with zipfile.ZipFile(path) as archive:
+            # A small archive may unpack to more than the machine has; its directory says so before.
             if why := shortage(sum(entry.file_size for entry in archive.infolist())):
                 raise MatrixError(f"{what} {why}")
         yield
@@ -65,18 +55,16 @@ def arrays(path: Path, what: str) -> Iterator[None]:
 def load_rows(source: Any, **form: Any) -> Array:
     """`numpy.loadtxt` of a table (n, k), without a warning where there are no rows."""
     with warnings.catch_warnings():
+        # An empty table is an error with a message of its own, where it is used.
         warnings.simplefilter("ignore", UserWarning)
         return np.loadtxt(source, ndmin=2, **form)
 
 
 def whole_numbers(values: Array, what: str) -> IntArray:
     """Numbers that must be whole, and exact as floats."""
-    whole = np.abs(values) < 2.0**53
-    whole[whole] = values[whole] % 1.0 == 0.0
-    if not whole.all():
+    if not (whole := is_whole(values)).all():
         raise MatrixError(f"expected integers for {what}, found {values[~whole].flat[0]}")
-    integers: IntArray = values.astype(np.int64)
-    return integers
+    return np.asarray(values.astype(np.int64))
 
 
 def require_text(path: Path) -> None:

@@ -96,6 +96,7 @@ def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
     worst = share.max(axis=0)
     if worst.max() <= RIGID_FORCE:
         return
+    # Translations first: misplaced nodes resist rotation alone, held ones resist both.
     held = worst[:3].max() > RIGID_FORCE
     motion = int((worst[:3] if held else worst).argmax())
     cause = HELD_ADVICE if held else MISPLACED_ADVICE
@@ -119,6 +120,7 @@ def _check_definite(model: GivenModel) -> None:
             f"first {model.dof(massless[0])}: "
             "rotations get theirs from consistent (coupled) mass, or from [masses]"
         )
+    # Masses and inertias differ by orders of magnitude: scaled, they compare.
     scale = sp.diags_array(1.0 / np.sqrt(diagonal))
     lowest, v = _lowest((scale @ model.M @ scale).tocsc())
     if lowest <= 0.0:
@@ -159,6 +161,7 @@ def _check_mass(model: GivenModel, A: Array) -> None:
             f"{', '.join(f'{m:.9g}' for m in masses)} kg along x, y, z, and up to {wrong:.1e} "
             "between them: mass is missing on dofs, or dofs are in local axes"
         )
+    # m (X~)^T is skew about any point, if all directions have the same center of mass.
     coupling = moments[:3, 3:]
     uneven = np.abs(coupling + coupling.T).max()
     if uneven > MAX_MASS_DIFFERENCE * mass:

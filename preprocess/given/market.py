@@ -22,6 +22,7 @@ def read_market(path: Path) -> Any:
     with path.open(encoding="utf-8") as file:
         form, symmetry = _head(file.readline())
         size = _size(file)
+        # numpy refuses ragged rows with the line, so nothing is to be checked by hand.
         rows = load_rows(file, comments="%")
     if rows.size and rows.shape[1] != ROW_NUMBERS[form]:
         raise MatrixError(f"expected {ROW_NUMBERS[form]} numbers in a row, found {rows.shape[1]}")

@@ -47,6 +47,7 @@ def read_matrices(files: Matrices) -> GivenModel:
     table = read_nodes(files.nodes)
     stiffness, mass = read_matrix(files.stiffness, "KGG"), read_matrix(files.mass, "MGG")
     rows = [_slots(file, files, table) for file in (stiffness, mass)]
+    # Both matrices decide: a dof with mass alone is still one, and is refused later by name.
     used = np.zeros(DOFS_PER_NODE * len(table.labels), dtype=bool)
     for file, slots in zip((stiffness, mass), rows, strict=True):
         used[slots[_touched(file.entries)]] = True
@@ -151,6 +152,7 @@ def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
         return (0.5 * (matrix + transposed)).tocsc()
     diagonal = sp.diags_array(matrix.diagonal(), format="csc")
     one_side = (matrix - diagonal).astype(bool)
+    # No pair of dofs is there twice: the file holds one triangle, in whichever order.
     if not one_side.multiply(one_side.T.tocsc()).nnz:
         return (matrix + transposed - diagonal).tocsc()
     entries = abs(difference).tocoo()

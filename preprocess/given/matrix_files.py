@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
-from .damage import MATRIX_DAMAGE, about, arrays, load_rows, require_text
+from .damage import MATRIX_DAMAGE, about_matrices, arrays, load_rows, require_text
 from .market import MARKET_HEAD, read_market
 
 MARKET_HEAD_BYTES = MARKET_HEAD.encode()
@@ -41,7 +41,7 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
             f"{path}: expected a file of type {', '.join(_READERS)}, "
             f"found {path.suffix or 'no suffix'}"
         )
-    with about(path, "a matrix"):
+    with about_matrices(path, "a matrix"):
         matrix = read(path, name)
     rows, columns = matrix.entries.shape
     if rows != columns:

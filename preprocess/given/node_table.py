@@ -12,7 +12,7 @@ from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.numbering import Numbering
-from .damage import about, arrays, load_rows, whole_numbers
+from .damage import about_matrices, arrays, load_rows, whole_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ def read_nodes(path: Path) -> NodeTable:
 
     `MatrixError` if the file cannot be read, `MeshError` if it is a mesh that cannot.
     """
-    with about(path, "nodes"):
+    with about_matrices(path, "nodes"):
         table = _READERS.get(path.suffix.lower(), _of_mesh)(path)
     if table.points.shape != (len(table.labels), 3) or not np.isfinite(table.points).all():
         raise MatrixError(
@@ -83,6 +83,7 @@ def read_columns(path: Path, columns: str) -> Array:
     try:
         text = path.read_text(encoding="utf-8")
         first, _, rest = text.partition("\n")
+        # A heading is told by words where numbers should be; files with and without one are common.
         try:
             np.array(first.replace(",", " ").split(), dtype=float)
         except ValueError:

@@ -88,6 +88,8 @@ def _binary(data: bytes) -> Iterator[tuple[str, Any]]:
             column, first, _ = np.frombuffer(body, word, 3).tolist()
             if column > columns:
                 break
+            # Nastran marks BIGMAT by a negative count of rows; large matrices are so without a
+            # mark.
             long = rows < 0 or rows >= BIGMAT_ROWS
             runs += _runs(body[3 * word.itemsize :], column, first, long, word, value)
         yield name, _matrix(columns, rows, kind, runs)
@@ -127,6 +129,7 @@ def _text(text: str) -> Iterator[tuple[str, Any]]:
         while column <= columns:
             line = next(lines, "")
             if "." in line:
+                # Fields may touch each other: widths, not blanks, tell them apart.
                 line = line.replace("D", "E").rstrip()
                 values = np.array([float(line[i : i + size]) for i in range(0, len(line), size)])
                 runs.append((column, row, values))

@@ -2,12 +2,16 @@
 
 A new solid needs one record in `SOLID_TYPES`, and one in `FACET_TYPES` if its faces are of a new
 type; all else follows: what meshes may hold, faces and neighbors, stiffness and mass, strains.
-Formats that do not know the name yet need it in their own table.
+Formats that do not know the name yet need it in their own table, of names alone.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from meshio._common import num_nodes_per_cell
+
+NODES_PER_CELL: dict[str, int] = num_nodes_per_cell
+"""The number of nodes of every type of cell: the one table that all readers of formats share."""
 LINE_CELLS = ("line",)  # that make a body of beams
 
 

@@ -33,6 +33,7 @@ def check_no_mechanism(mesh: Mesh, facets: Facets) -> None:
     facets must agree, [I, -X~] (q_a - q_b) = 0, at every node X that they share: six motions in all
     are a free body, more a mechanism.
     """
+    # Most bodies hang together by facets, and need no rank of a matrix.
     pieces, label = _clusters(facets.sides, facets.count)
     if pieces == 1:
         return
@@ -51,6 +52,7 @@ def _motions(mesh: Mesh, pieces: int, label: IntArray) -> tuple[int, Array]:
     pairs = np.unique(np.stack([node, label[element]], axis=1), axis=0)
     same = pairs[1:, 0] == pairs[:-1, 0]
     nodes, one, other = pairs[1:][same, 0], pairs[:-1][same, 1], pairs[1:][same, 1]
+    # In units of the mesh, so that translations and rotations have one rank tolerance.
     arms = spider((mesh.points[nodes] - mesh.points.mean(axis=0)) / mesh.size)
     rows = np.zeros((len(nodes), 3, pieces, 6))
     rows[np.arange(len(nodes)), :, one] = arms
@@ -64,8 +66,6 @@ def _clusters(members: Mapping[str, IntArray], n_members: int) -> tuple[int, Int
     """The number of clusters of elements that share members, and that of every element.
 
     members (n, k) by type of element, all of them used; clusters (n_elements,).
-
-    All members must be used.
     """
     n = sum(len(rows) for rows in members.values())
     element, member = _incidence(members)

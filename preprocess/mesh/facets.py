@@ -58,6 +58,7 @@ class Facets:
 
     def matching(self, kind: str, cells: IntArray) -> IntArray:
         """The facet (m,) with the corners of each of the cells (m, k) of a type, -1 for none."""
+        # Groups of linear facets may name the faces of quadratic elements: corners tell them.
         corners = FACET_TYPES[kind].corners
         for facet_kind, first in self.first.items():
             if FACET_TYPES[facet_kind].corners == corners:
@@ -148,6 +149,7 @@ def _check_halves(mesh: Mesh, facets: Facets) -> None:
     quads = [nodes[:, :4] for kind, nodes in outer.items() if FACET_TYPES[kind].corners == 4]
     if not (triangles and quads):
         return
+    # The four triangles that two diagonals cut off: either diagonal may have been used.
     halves = quads[0][:, [[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]]]
     halved = (_rows(triangles[0], halves.reshape(-1, 3)) >= 0).reshape(-1, 4).any(axis=1)
     if halved.any():
@@ -167,6 +169,7 @@ def _rows(table: IntArray, wanted: IntArray) -> IntArray:
     """
     named = np.zeros(1 + max(int(table.max(initial=0)), int(wanted.max(initial=0))), dtype=bool)
     named[wanted] = True
+    # Groups are small beside the mesh: few rows are left to sort.
     candidates = np.flatnonzero(named[table].all(axis=1))
     keys = _keys(np.vstack([table[candidates], wanted]))
     _, label = np.unique(keys, return_inverse=True)
@@ -184,6 +187,7 @@ def _keys(table: IntArray) -> IntArray:
     digits = int(table.max(initial=0)) + 1
     keys, most = first, digits
     for column in others:
+        # Numbered anew, keys stay below 64 bits however large the mesh is.
         if most * digits > MAX_ROW_KEY:
             distinct, keys = np.unique(keys, return_inverse=True)
             most = len(distinct)

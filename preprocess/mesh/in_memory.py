@@ -35,13 +35,31 @@ MIRRORED_NODES = {
 def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
     """The mesh that a path or an object of another library is.
 
-    given: a path; `(points, cells)` with points (n, 3) and cells (m, k), as an array of one type of
-    solids or lines, or by type as meshio names and orders them; a mesh of scikit-fem, whose
-    subdomains and boundaries become groups; of meshio, whose sets and arrays of integers do; an
-    unstructured grid of PyVista, whose arrays of integers do; or the module gmsh, whose present
-    model is taken as it would be saved. scale: its unit of length [m].
+    Parameters
+    ----------
+    given
+        A path; `(points, cells)` with points (n, 3) and cells (m, k), as an array of one type of
+        solids or lines, or by type as meshio names and orders them; a mesh of scikit-fem, whose
+        subdomains and boundaries become groups; of meshio, whose sets and arrays of integers do; an
+        unstructured grid of PyVista, whose arrays of integers do; or the module gmsh, whose present
+        model is taken as it would be saved.
+    scale : float [m]
+        Its unit of length.
 
-    `MeshError` says what was found, and `MeshWarning` what is left out, as of `read_mesh`.
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    MeshError
+        Says what was found. `MeshWarning` says what is left out.
+
+    Examples
+    --------
+    >>> mesh = mesh_of(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]), scale=1e-3)
+    >>> mesh.body_types, mesh.points.max()
+    (('tetra',), np.float64(0.001))
     """
     if isinstance(given, Mesh):
         return given
@@ -84,6 +102,7 @@ def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
     if not gmsh.isInitialized():
         raise MeshError("gmsh: expected a session with a meshed model, found none")
     with tempfile.TemporaryDirectory() as folder:
+        # Its file has the groups, orders and types already, which one reader knows.
         path = Path(folder) / f"{gmsh.model.getCurrent() or 'gmsh'}.msh"
         gmsh.write(str(path))
         return read_mesh(path, scale)
@@ -165,6 +184,7 @@ def _of_skfem(mesh: Any) -> Draft:
         if kind not in SOLID_TYPES:
             draft.mark_points(name, np.unique(mesh.facets[:, facets]))
             continue
+        # scikit-fem sorts the nodes of facets, and so loses which way they turn.
         corners = np.sort(mesh.facets[:, facets], axis=0).T
         cells = draft.cells[kind][mesh.f2t[0, facets]]
         for facet_kind, rows in _facets(kind, cells, corners):

@@ -83,6 +83,7 @@ class Mesh:
     @property
     def sha256(self) -> str:
         """A digest of points, cells and groups, by which a mesh without a file is known again."""
+        # Names are sorted: the order of groups is not part of the mesh.
         digest = hashlib.sha256(np.ascontiguousarray(self.points).tobytes())
         for kind, cells in sorted(self.cells.items()):
             digest.update(kind.encode() + np.ascontiguousarray(cells, dtype=np.int64).tobytes())
@@ -128,6 +129,7 @@ class Mesh:
         used = np.zeros(len(self.points), dtype=np.bool_)
         for kind, chosen in rows.items():
             used[self.cells[kind][chosen]] = True
+        # Kept points keep their order, so that parts of one mesh number them alike.
         new_row = np.cumsum(used) - 1
 
         def remaining(group: Group) -> Group:

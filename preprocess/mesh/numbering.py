@@ -7,6 +7,14 @@ from ..errors import MeshError
 from .mesh import IntArray
 
 
+def is_whole(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Where numbers are integers, and so small that a float holds them exactly."""
+    whole = np.abs(values) < 2.0**53
+    # Not a number modulo 1 would warn.
+    whole[whole] = values[whole] % 1.0 == 0.0
+    return whole
+
+
 class Numbering:
     """Numbers (n,) of nodes or elements in a file, and the row of each."""
 

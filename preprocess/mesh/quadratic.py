@@ -52,6 +52,7 @@ def quadratic(mesh: Mesh) -> Mesh:
             if kind in CELL_EDGES
         ]
     )
+    # Sorted pairs: neighbors run along a shared edge in opposite directions.
     edges, number = np.unique(edges, axis=0, return_inverse=True)
     middles = mesh.points[edges].mean(axis=1)
     raised, start = {}, 0
@@ -98,6 +99,7 @@ def _simplices(mesh: Mesh) -> tuple[dict[str, IntArray], Rows]:
 def _tetrahedra(wedges: IntArray, points: Array) -> IntArray:
     """The three tetrahedra (n, 3, 4) of each wedge (n, 6)."""
     turned = np.take_along_axis(wedges, WEDGE_TURNS[wedges.argmin(axis=1)], axis=1)
+    # The lowest node of a face decides its diagonal, for both wedges beside it.
     from_1_to_5 = turned[:, [1, 5]].min(axis=1) < turned[:, [2, 4]].min(axis=1)
     split = WEDGE_SPLITS[from_1_to_5.astype(int)].reshape(len(wedges), -1)
     pieces = np.take_along_axis(turned, split, axis=1).reshape(-1, 3, 4)

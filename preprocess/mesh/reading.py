@@ -2,33 +2,32 @@
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ...files import FileError, in_one_line, require_regular
 from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
-from ..errors import MeshError, MeshWarning
+from ..errors import MeshError, MeshWarning, about
 from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
 from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
-from .formats.abaqus_deck import files_of as files_of_abaqus
+from .formats.abaqus_deck import abaqus_include
 from .formats.draft import Draft
-from .formats.nastran_deck import files_of as files_of_nastran
+from .formats.nastran_deck import nastran_include
+from .formats.text import files
 from .mesh import Mesh
 
+_NASTRAN = (".bdf", ".nas", ".dat", ".fem")
+_XDMF = (".xdmf", ".xmf")
 _READERS = {
     ".msh": gmsh.read,
     ".inp": abaqus.read,
-    ".bdf": nastran.read,
-    ".nas": nastran.read,
-    ".dat": nastran.read,
-    ".fem": nastran.read,
+    **dict.fromkeys(_NASTRAN, nastran.read),
     ".med": med.read,
-    ".xdmf": xdmf.read,
-    ".xmf": xdmf.read,
+    **dict.fromkeys(_XDMF, xdmf.read),
 }
 """By suffix; meshio reads what is not here."""
 _BY_GMSH = (".step", ".stp", ".iges", ".igs", ".brep")
@@ -55,10 +54,10 @@ _NO_MESH = {
     ),
 }
 """What to do with files that are often taken for meshes, by suffix."""
-_FILES = {
-    ".inp": files_of_abaqus,
-    **dict.fromkeys((".bdf", ".nas", ".dat", ".fem"), files_of_nastran),
-    **dict.fromkeys((".xdmf", ".xmf"), xdmf.files_of),
+_FILES: dict[str, Callable[[Path], list[Path]]] = {
+    ".inp": partial(files, included=abaqus_include),
+    **dict.fromkeys(_NASTRAN, partial(files, included=nastran_include)),
+    **dict.fromkeys(_XDMF, xdmf.files_of),
 }
 """Which files a mesh is in, by suffix, of formats with more than one."""
 MESH_SIZES = (1e-12, 1e12)
@@ -83,6 +82,7 @@ def finished(source: Path, draft: Draft, scale: float) -> Mesh:
     points = _scaled(source, draft.points, scale)
     body_types = _body_types(source.name, cells, draft.lost)
     mesh = Mesh(source.name, points, cells, draft.groups, body_types, draft.labels)
+    # Reference points and construction geometry would make the stiffness singular.
     loose = draft.points[~mesh.used]
     lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
     if lost:
@@ -111,6 +111,7 @@ def read_draft(path: Path) -> Draft:
     with _about(path):
         if (advice := _NO_MESH.get(path.suffix.lower())) is not None:
             raise MeshError(advice)
+        # Own readers where meshio loses groups, node numbers, or the place of an error.
         draft = _READERS.get(path.suffix.lower(), through_meshio.read)(path)
     check_points(path, draft)
     return draft
@@ -128,23 +129,14 @@ def check_points(source: Path, draft: Draft) -> None:
 def files_of(path: Path) -> list[Path]:
     """The files that a mesh is in: with those that it includes, and those of its numbers."""
     with _about(path):
-        return _FILES.get(path.suffix.lower(), lambda only: [only])(path)
+        found = _FILES.get(path.suffix.lower())
+        return [path] if found is None else found(path)
 
 
-@contextmanager
-def _about(path: Path) -> Iterator[None]:
+def _about(path: Path) -> AbstractContextManager[None]:
     """Errors name the file; whatever a reader stumbles over is damage of it."""
-    try:
-        require_regular(path)
-        yield
-    except FileNotFoundError as error:
-        raise MeshError(f"{path}: no such mesh file") from error
-    except (MeshError, FileError) as error:
-        text = str(error)
-        raise MeshError(text if text.startswith(f"{path}: ") else f"{path}: {text}") from error
-    except (*DAMAGE_ERRORS, MemoryError) as error:
-        why = in_one_line(error)
-        raise MeshError(f"{path}: damaged, or more than the memory holds: {why}") from error
+    damage = (*DAMAGE_ERRORS, MemoryError)
+    return about(path, MeshError, "mesh file", "damaged, or more than the memory holds", damage)
 
 
 def _described(loose: Array) -> str:

@@ -23,6 +23,7 @@ def write_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
         if group.cells:
             marks = [np.zeros(len(mesh.cells[kind]), dtype=np.int32) for kind in kinds]
             for mark, kind in zip(marks, kinds, strict=True):
+                # VTK knows no sets; the reader turns arrays of 0 and 1 back into groups.
                 mark[group.cells.get(kind, ())] = 1
             cell_data[name] = marks
         if len(group.points):

@@ -29,7 +29,6 @@ from ..plausibility import refused_where_singular
 from ..progress import Stages, Warn, shown_stages
 from ..responses.impulse import krylov_found, krylov_responses, require_memory
 from ..responses.modal import FULL_MODAL_UNKNOWNS
-from ..solving.factor import factorizations
 from ..sources.solids import SolidSource
 from .matrices import SpreadMass, SpreadMatrix
 from .partition import neighbors, partition
@@ -52,7 +51,6 @@ def build_together(body: Body, ranks: Ranks, progress: bool, warn: Warn) -> Supe
         memory_shortage_told(),
         refused_where_singular(),
         shown_stages(progress and ranks.first, warn) as stages,
-        factorizations() as stages.solvers,
     ):
         return _build(body, ranks, stages)
 
@@ -62,12 +60,12 @@ def _build(body: Body, ranks: Ranks, stages: Stages) -> Superelement | None:
         source = ranks.in_first(lambda: _read(body, stages.warn))
     with stages.stage("assembly"):
         piece, numbering = _dealt_out(body, source, ranks)
-        structure, parts = _assembled(body, piece, ranks)
+        structure = _assembled(body, piece, ranks)
     with stages.stage("impulse"):
         wide = structure.with_channels()
         ranks.in_first(lambda: require_memory(body.impulse.steps, wide.P_C.shape[0]))
         solver = spread_solver(ranks, body.impulse.solver)
-        modes, shapes, error = krylov_found(wide, body, stages, parts, solver)
+        modes, shapes, error = krylov_found(wide, body, stages, solver)
     if source is None or numbering is None:
         answer(shapes, ranks)
         return None
@@ -79,6 +77,7 @@ def _build(body: Body, ranks: Ranks, stages: Stages) -> Superelement | None:
         whole = _of_first(structure, numbering)
         return superelement_of(body, source, whole, None, responses, stages)
     finally:
+        # The others are about to end: a failure from here on is told by this process alone.
         ranks.apart = True
         asked.close()
 
@@ -139,22 +138,22 @@ def _dealt_out(
     return own, numbering
 
 
-def _assembled(body: Body, piece: Piece, ranks: Ranks) -> tuple[Structure, dict[str, SpreadMatrix]]:
-    """The structure on the own unknowns, and the stiffness of groups that lose energy."""
+def _assembled(body: Body, piece: Piece, ranks: Ranks) -> Structure:
+    """The structure on the own unknowns."""
     name, comm = piece.source.name, ranks.comm
     stiffness, mass = piece.source.sums()
     K_rows, M_rows = piece.rows(stiffness), piece.rows(mass) + piece.lumped
     del stiffness, mass
     for what, rows in (("stiffness", K_rows), ("mass", M_rows)):
         check_size(name, what, ranks.largest(largest_entry(rows.data)))
-    parts = {}
+    lossy = {}
     for group in lossy_groups(body):
         stiffer = replace(piece.source, body=scaled(piece.source.body, {group: 2.0}))
-        parts[group] = SpreadMatrix(piece.rows(stiffer.sums()[0]) - K_rows, comm)
+        lossy[group] = SpreadMatrix(piece.rows(stiffer.sums()[0]) - K_rows, comm)
     K, M = SpreadMatrix(K_rows, comm), SpreadMass(M_rows, comm)
     rigid = rigid_modes(piece.nodes, M, ranks)
     channels = piece.channels
-    structure = Structure(
+    return Structure(
         nodes=piece.nodes,
         K=K,
         M=M,
@@ -165,9 +164,9 @@ def _assembled(body: Body, piece: Piece, ranks: Ranks) -> tuple[Structure, dict[
         frames=piece.frames,
         masses={},
         channels=None if channels is None else channel_rows(channels, rigid, M, ranks),
+        lossy=lossy,
         processes=ranks,
     )
-    return structure, parts
 
 
 def _of_first(structure: Structure, numbering: Numbering) -> Structure:

@@ -20,6 +20,7 @@ def neighbors(facets: Facets) -> Any:
     )
     facet = np.concatenate([numbers.ravel() for numbers in sides])
     order = np.argsort(facet, kind="stable")
+    # A facet has two elements at most, so sorted ones stand side by side.
     shared = np.flatnonzero(np.diff(facet[order]) == 0)
     one, other = owner[order[shared]], owner[order[shared + 1]]
     n = int(owner[-1]) + 1

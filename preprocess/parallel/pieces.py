@@ -74,8 +74,10 @@ def numbered(
     of_source = np.full(len(source.mesh.points), size, dtype=np.int64)
     for kind, cells in source.mesh.elements.items():
         part = source.mesh.of_kind(parts, kind)
+        # Any of the processes around a node would do, but it must be one and always the same.
         np.minimum.at(of_source, cells, part[:, None])
     followed = _of_nodes(attached.T, attached.nodes).tocsc()
+    # The first node that follows an unknown: of a free node that is itself.
     owners = of_source[followed.indices[followed.indptr[:-1]]]
 
     order = np.argsort(owners, kind="stable")

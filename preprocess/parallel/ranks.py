@@ -93,6 +93,7 @@ class Ranks(Processes):
         and the rest is ended once Python has told of the exception.
         """
         mine, found = np.array([self.comm.rank]), np.zeros(1, dtype=np.int64)
+        # Not blocking: a process that has not failed never comes here.
         request = self._failing.Iallreduce(mine, found, op=MPI.MIN)
         until = time.monotonic() + FAILURE_WAIT_SECONDS
         while not request.Test():

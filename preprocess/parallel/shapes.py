@@ -1,6 +1,6 @@
 """Mode shapes whose rows are spread over processes: the first one asks, the others answer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -21,13 +21,12 @@ class AskedShapes(Shapes):
     until `close`. starts (n_processes + 1,): where the unknowns of each process begin.
     """
 
-    ranks: Ranks | None = None
-    starts: IntArray | None = None
+    ranks: Ranks = field(kw_only=True)
+    starts: IntArray = field(kw_only=True)
 
     def __call__(self, rows: Any) -> Array:
-        assert self.ranks is not None
-        assert self.starts is not None
         columns = rows.tocsc()
+        # Only the columns of a process, which are few, travel to it.
         shares = [columns[:, first:last] for first, last in pairwise(self.starts.tolist())]
         part = at(self.ranks.comm.scatter(shares), self.V)
         found = np.empty_like(part, order="C")
@@ -36,7 +35,6 @@ class AskedShapes(Shapes):
 
     def close(self) -> None:
         """Nothing more is asked."""
-        assert self.ranks is not None
         self.ranks.comm.scatter([None] * self.ranks.size)
 
 

@@ -10,9 +10,15 @@ from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.body import SolverName
-from ..errors import MemoryShortageError, MeshError, MethodError
+from ..errors import MemoryShortageError, MethodError
 from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve, note
+from ..solving.factor import (
+    COARSER_MESH_ADVICE,
+    MAX_FACTOR_RESIDUAL,
+    Factor,
+    Solve,
+    not_definite,
+)
 from ..solving.gradients import ColumnGradients, Columns, Goal
 from ..solving.refined import SHARE_OF_ACCURACY
 from ..solving.solver import COMPACT_SHARE, Patient, SolverFactory, condition, shifted_product
@@ -49,7 +55,7 @@ def factorized(structure: Structure, shift: float, name: str, ranks: Ranks) -> F
             f"{residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
         )
     factor = Factor(solve, f"mumps, {PETSC_VERSION}", residual)
-    note(factor.summary)
+    structure.solvers.append(factor.summary)
     return factor
 
 
@@ -69,12 +75,10 @@ class _Mumps:
             self._solver.setUp()
         except PETSc.Error as error:
             raise MethodError(f"{name} ({K.shape[0]} unknowns): MUMPS: {error}") from error
+        # PETSc does not raise for these: the numbers of MUMPS say what has happened.
         code, detail = (factorization.getFactorMatrix().getMumpsInfog(k) for k in (1, 2))
         if code == -10 or code == -40:
-            raise MeshError(
-                f"{name} ({K.shape[0]} unknowns): expected a positive definite matrix, found a "
-                "pivot that is not: the body is a mechanism, or its material or mass is not sound"
-            )
+            raise not_definite(K.shape[0], name, "a pivot that is not")
         if code in NO_ROOM:
             raise MemoryShortageError(
                 f"{name} ({K.shape[0]} unknowns): MUMPS has no room for the factor (INFOG(1) = "
@@ -133,7 +137,7 @@ def iterated(structure: Structure, shift: float, name: str, accuracy: float) -> 
     if gradient_steps(condition(structure, shift), accuracy) > MAX_PLAIN_STEPS:
         with suppress(np.linalg.LinAlgError):
             precondition, multigrid = spread_multigrid(structure, shift), " with multigrid"
-    note(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
+    structure.solvers.append(f"conjugate gradients{multigrid}, {PETSC_VERSION}")
     product = partial(shifted_product, K, M, shift)
     system = Columns(product, precondition, structure.processes, order="F")
     return ColumnGradients(system, Goal(name, structure.n_u, SHARE_OF_ACCURACY * accuracy))

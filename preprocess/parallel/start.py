@@ -39,13 +39,13 @@ class World:
         """True in the process that reads and writes; the others `follow`."""
         return bool(self._ranks.first)
 
-    def build(self, body: Body, progress: bool = False, told: Warn = silent) -> Superelement:
+    def build(self, body: Body, progress: bool = False, on_warning: Warn = silent) -> Superelement:
         """As `preprocess.build`, in the first process, with the others."""
         from .build import build_together
 
         self._begun = True
         self._ranks.comm.bcast(body)
-        found = self._ranks.guarded(lambda: build_together(body, self._ranks, progress, told))
+        found = self._ranks.guarded(lambda: build_together(body, self._ranks, progress, on_warning))
         assert found is not None
         return found
 

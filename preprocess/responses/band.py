@@ -172,8 +172,7 @@ def _field_error(modes: Modes, better: Modes, turn: Array, stiffness: Stiffness)
 
 def _coordinates(modes: Modes, stiffness: Stiffness) -> Complex:
     """eta (n, m, n_c) under a unit load on each interface dof."""
-    eta: Complex = modes.phi.T / stiffness(modes)[:, :, None]
-    return eta
+    return np.asarray(modes.phi.T / stiffness(modes)[:, :, None])
 
 
 def _largest(sizes: Array) -> Array:
@@ -184,5 +183,4 @@ def _largest(sizes: Array) -> Array:
 
 def _energy(modes: Modes, eta: Complex) -> Array:
     """Twice the strain energy of each mode (n, m, n_c)."""
-    energy: Array = (modes.omega[:, None] * np.abs(eta)) ** 2
-    return energy
+    return np.asarray((modes.omega[:, None] * np.abs(eta)) ** 2)

@@ -22,6 +22,7 @@ def channels_of(
         phi = np.zeros((n, len(responses.modes.omega)))
         phi[rows.deforming] = responses.modes.phi[n_c:]
         return Channels(rows.patterns, rows.sensors, phi)
+    # Patterns that only accelerate the body were left out of the responses.
     place = np.concatenate([np.arange(n_c), n_c + np.flatnonzero(rows.deforming)])
     kernel = responses.kernel
     return Channels(

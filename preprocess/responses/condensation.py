@@ -80,5 +80,4 @@ def _orthonormal(Y: Array) -> Array:
     """An orthonormal basis of the columns of Y, each of its own size."""
     sizes = np.linalg.norm(Y, axis=0)
     U, s, _ = np.linalg.svd(Y[:, sizes > 0.0] / sizes[sizes > 0.0], full_matrices=False)
-    basis: Array = U[:, s > MIN_NEW_LENGTH * s[0]]
-    return basis
+    return np.asarray(U[:, s > MIN_NEW_LENGTH * s[0]])

@@ -34,6 +34,7 @@ def held_modes(structure: Structure, held: Array, count: int, shift: float) -> H
     shift [1/s^2]: about the first elastic omega^2. What is held must leave no rigid motion.
     `MethodError` for more modes than there are, or than there is time for.
     """
+    # Displacements and rotations compare once each row has length one.
     rows = orth((held / np.linalg.norm(held, axis=1)[:, None]).T).T
     most = structure.n_u - len(rows)
     if not 1 <= count <= most:
@@ -72,14 +73,14 @@ def _by_lanczos(structure: Structure, rows: Array, count: int, shift: float) -> 
 
 def _held_solve(structure: Structure, rows: Array, shift: float) -> Solve:
     """b -> x: (K + shift M) x + rows^T lambda = b, rows x = 0."""
-    solve = factorize(structure.K + shift * structure.M, "the shifted stiffness")
+    S = structure.K + shift * structure.M
+    solve = factorize(S, "the shifted stiffness", solvers=structure.solvers)
     Y = solve(rows.T)
     back = np.linalg.inv(rows @ Y)
 
     def held_solve(b: Array) -> Array:
         x = solve(b)
-        held: Array = x - Y @ (back @ (rows @ x))
-        return held
+        return np.asarray(x - Y @ (back @ (rows @ x)))
 
     return held_solve
 
@@ -90,8 +91,7 @@ def _beside(structure: Structure, solve: Solve, shapes: Array) -> Solve:
 
     def solve_beside(b: Array) -> Array:
         x = solve(b)
-        rest: Array = x - shapes @ (weights @ x)
-        return rest
+        return np.asarray(x - shapes @ (weights @ x))
 
     return solve_beside
 

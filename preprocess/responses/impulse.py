@@ -1,8 +1,6 @@
 """Impulse responses by the method that a body file names or its size suggests."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from ...superelement import GeneralizedAlpha, Kernel, Modes, sample_kernel
 from ...superelement.validation import Array
@@ -16,10 +14,10 @@ from .band import Band
 from .losses import with_losses
 from .march import march_kernel
 from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
-from .search import krylov_modes
+from .search import Request, krylov_modes
 from .shapes import Shapes
 from .surfaces import surface_responses
-from .truncated import REDUCTIONS, TRUNCATION_ERROR, truncated_modes
+from .truncated import REDUCTION_METHODS, TRUNCATION_ERROR, truncated_modes
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,34 +49,31 @@ def require_memory(steps: int, n_c: int) -> None:
 
 
 def impulse_responses(
-    structure: Structure,
-    body: Body,
-    stages: Stages | None = None,
-    parts: Mapping[str, Any] | None = None,
+    structure: Structure, body: Body, stages: Stages | None = None
 ) -> ImpulseResponses:
     """The impulse responses of a body, by the method that it names or the one for its size.
 
-    `stages` shows how far it is. parts: the stiffness matrices of groups whose materials have other
-    loss factors than the rest. `MethodError` where the method does not allow what is asked.
+    `stages` shows how far it is. `MethodError` where the method does not allow what is asked.
     """
     stages = stages or Stages()
     impulse, damping = body.impulse, damping_of(body)
+    # Again, now with channels: before them only the interfaces were known.
     require_memory(impulse.steps, structure.P_C.shape[0])
     h, scheme, steps = impulse.step, GeneralizedAlpha(impulse.rho_inf), impulse.steps
     if structure.surfaces is not None:
-        return _with_surfaces(structure, body, stages, parts)
+        return _with_surfaces(structure, body, stages)
     method = impulse.method
     if method == "auto":
         method = "modal" if structure.n_u <= FULL_MODAL_UNKNOWNS else "krylov"
     match method:
         case "modal":
             modes, shapes = elastic_shapes(structure, damping)
-            modes = with_losses(body, modes, shapes, parts)
+            modes = with_losses(body, structure, modes, shapes)
             return ImpulseResponses(method, sample_kernel(modes, h, scheme, steps), modes, shapes)
         case "krylov":
-            return krylov_responses(body, *krylov_found(structure, body, stages, parts))
+            return krylov_responses(body, *krylov_found(structure, body, stages))
         case "craig-bampton" | "rubin":
-            return _truncated(structure, body, stages, parts)
+            return _truncated(structure, body, stages)
         case "march":
             return ImpulseResponses(
                 method, march_kernel(structure, damping, h, scheme, steps, stages.track)
@@ -86,22 +81,17 @@ def impulse_responses(
 
 
 def krylov_found(
-    structure: Structure,
-    body: Body,
-    stages: Stages,
-    parts: Mapping[str, Any] | None,
-    solver: SolverFactory | None = None,
+    structure: Structure, body: Body, stages: Stages, solver: SolverFactory | None = None
 ) -> tuple[Modes, Shapes, float]:
     """The modes that the method krylov finds, their shapes, and their error.
 
     solver: another than the body asks for.
     """
-    solver = solver or solver_of(body.impulse.solver)
-    band, tolerance, fields = band_of(body), body.impulse.tolerance, body.recovery is not None
-    modes, shapes, error = krylov_modes(
-        structure, damping_of(body), band, tolerance, stages.report, fields, solver
+    request = replace(
+        _request(structure, body, stages), solver=solver or solver_of(body.impulse.solver)
     )
-    return with_losses(body, modes, shapes, parts), shapes, error
+    modes, shapes, error = krylov_modes(request)
+    return with_losses(body, structure, modes, shapes), shapes, error
 
 
 def krylov_responses(body: Body, modes: Modes, shapes: Shapes, error: float) -> ImpulseResponses:
@@ -118,32 +108,38 @@ def band_of(body: Body) -> Band:
     return Band(impulse.step, scheme, limit)
 
 
-def _with_surfaces(
-    structure: Structure, body: Body, stages: Stages, parts: Mapping[str, Any] | None
-) -> ImpulseResponses:
+def _request(structure: Structure, body: Body, stages: Stages) -> Request:
+    """The modes that a body file asks for."""
+    return Request(
+        structure,
+        damping_of(body),
+        band_of(body),
+        body.impulse.tolerance,
+        fields=body.recovery is not None,
+        watch=stages.report,
+    )
+
+
+def _with_surfaces(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
     """Those of a body with surfaces, right at the interfaces in the band."""
-    impulse, wide = body.impulse, band_of(body)
+    request, impulse = _request(structure, body, stages), body.impulse
+    wide = request.band
     # Of steps finer than those of the band only the band is right: modes end with it.
     band = replace(wide, h=max(wide.h, 0.25 / wide.limit))
-    fields = body.recovery is not None
-    found = surface_responses(
-        structure, damping_of(body), band, impulse.tolerance, stages.report, fields
-    )
-    modes = with_losses(body, found.modes, found.shapes, parts)
+    found = surface_responses(replace(request, band=band))
+    modes = with_losses(body, structure, found.modes, found.shapes)
     kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, wide.limit)
     return ImpulseResponses("lanczos", kernel, modes, found.shapes, impulse.tolerance, found.H)
 
 
-def _truncated(
-    structure: Structure, body: Body, stages: Stages, parts: Mapping[str, Any] | None
-) -> ImpulseResponses:
+def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:
     """Those of a number of modes, with the band in which they are right."""
-    impulse, damping, count = body.impulse, damping_of(body), body.impulse.modes or 0
-    reduction = REDUCTIONS[impulse.method](structure, damping, count)
-    wide = Band(impulse.step, GeneralizedAlpha(impulse.rho_inf), 0.25 / impulse.step)
-    fields = body.recovery is not None
-    found = truncated_modes(structure, damping, reduction, wide, stages.report, fields)
-    modes = with_losses(body, found.modes, found.shapes, parts)
-    kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, found.limit)
+    impulse, count = body.impulse, body.impulse.modes or 0
+    request = replace(_request(structure, body, stages), tolerance=TRUNCATION_ERROR)
+    reduction = REDUCTION_METHODS[impulse.method](structure, request.damping, count)
+    found = truncated_modes(request, reduction)
+    modes = with_losses(body, structure, found.modes, found.shapes)
+    scheme = request.band.scheme
+    kernel = sample_kernel(modes, impulse.step, scheme, impulse.steps, found.error, found.limit)
     method = f"{impulse.method} with {count} {'modes' if count > 1 else 'mode'}"
     return ImpulseResponses(method, kernel, modes, found.shapes, TRUNCATION_ERROR)

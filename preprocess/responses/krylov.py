@@ -226,8 +226,7 @@ class KrylovSpace:
         K, q = self._stiffness[start:, start:], Q[start:]
         K = np.triu(K) + np.triu(K, 1).T
         energy = np.einsum("ik,ik->k", q, K @ q) / omega**2
-        changes: Array = np.abs(0.5 * (energy - np.einsum("ik,ik->k", q, q)))
-        return changes
+        return np.asarray(np.abs(0.5 * (energy - np.einsum("ik,ik->k", q, q))))
 
     def with_rotation(self, modes: Modes, Q: Array) -> Modes:
         """The same modes, which loads of rotation excite beside those on interfaces: phi (n_c + 6,

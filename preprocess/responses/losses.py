@@ -1,6 +1,5 @@
 """Chains of bodies whose materials have different loss factors."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -8,23 +7,24 @@ import numpy as np
 
 from ...superelement import Modes
 from ...superelement.validation import Array
+from ..assembly.structure import Structure
 from ..body.body import Body
 from ..body.loss import amplitudes, ripple_of
 from .shapes import Shapes
 
 
-def with_losses(body: Body, modes: Modes, shapes: Shapes, parts: Mapping[str, Any] | None) -> Modes:
+def with_losses(body: Body, structure: Structure, modes: Modes, shapes: Shapes) -> Modes:
     """The modes, each with a chain of its own by where its strain energy is.
 
         a_ki = sum over groups of a_k phi_i^T K_group phi_i / omega_i^2
 
     What the groups leave between modes, phi_i^T K_group phi_j, is left out: modes whose
-    frequencies are apart by more than the loss factors do not feel it. Without parts the modes
-    themselves. Source: docs/theory.md, Material damping.
+    frequencies are apart by more than the loss factors do not feel it. Where all materials lose
+    the same, the modes themselves. Source: docs/theory.md, Material damping.
     """
-    if not parts or modes.chain is None:
+    if not structure.lossy or modes.chain is None:
         return modes
-    shares = {name: _energy(shapes, K) / modes.omega**2 for name, K in parts.items()}
+    shares = {name: _energy(shapes, K) / modes.omega**2 for name, K in structure.lossy.items()}
     chain = replace(
         modes.chain,
         amplitude=amplitudes(body, shares),
@@ -39,5 +39,4 @@ def _energy(shapes: Shapes, K: Any) -> Array:
     V, Q = shapes.V, shapes.Q
     if Q is None:
         return shapes.processes.total(np.einsum("im,im->m", V, K @ V))
-    of_modes: Array = np.einsum("im,im->m", Q, shapes.processes.total(V.T @ (K @ V)) @ Q)
-    return of_modes
+    return np.asarray(np.einsum("im,im->m", Q, shapes.processes.total(V.T @ (K @ V)) @ Q))

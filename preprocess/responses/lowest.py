@@ -44,13 +44,17 @@ def first_square(structure: Structure) -> float:
 def _squares(K: Array, M: Array) -> Array:
     """omega^2 (m,), ascending, of what is independent among the fields."""
     moving = M.diagonal() > MIN_FIELD_MASS * M.diagonal().max()
-    K, M = (matrix[np.ix_(moving, moving)] for matrix in (K, M))
+    return independent_squares(*(matrix[np.ix_(moving, moving)] for matrix in (K, M)))
+
+
+def independent_squares(K: Array, M: Array) -> Array:
+    """omega^2 (m,), ascending, of a few fields with K and M (n, n), combinations left out."""
+    # Fields of unit mass: those that depend on others are then told by small eigenvalues.
     scale = 1.0 / np.sqrt(M.diagonal())
     mass, vectors = eigh(M * np.outer(scale, scale))
     independent = mass > MIN_FIELD_EIGENVALUE
     basis = scale[:, None] * vectors[:, independent] / np.sqrt(mass[independent])
-    squares: Array = eigh(basis.T @ K @ basis, eigvals_only=True)
-    return squares
+    return np.asarray(eigh(basis.T @ K @ basis, eigvals_only=True))
 
 
 def _quadratic_fields(nodes: Nodes, center: Array, size: float) -> Array:

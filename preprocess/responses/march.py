@@ -46,7 +46,8 @@ def march_kernel(
     inertia = scheme.inertia_ratio
     springs = NodalSprings(damping.chain, h, loads.shape[0], 2 * n_c)
     S = inertia * M + scheme.beta * h * h * springs.hardened * K
-    solve = factorize(S if C is None else S + scheme.gamma * h * C, "the matrix of the time step")
+    S = S if C is None else S + scheme.gamma * h * C
+    solve = factorize(S, "the matrix of the time step", solvers=structure.solvers)
 
     # Columns: first those loaded at the first step, then those loaded at t_0.
     acc = np.hstack([np.zeros_like(loads), initial_accelerations(structure)])

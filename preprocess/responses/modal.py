@@ -18,12 +18,6 @@ gigabytes.
 """
 
 
-def elastic_modes(structure: Structure, damping: Damping) -> Modes:
-    """All modes but the six rigid ones, seen at the interfaces."""
-    modes, _ = elastic_shapes(structure, damping)
-    return modes
-
-
 def elastic_shapes(structure: Structure, damping: Damping) -> tuple[Modes, Shapes]:
     """All modes but the six rigid ones, K phi = omega^2 M phi: at the interfaces, and wherever
     asked.

@@ -13,6 +13,7 @@ from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
 from ..errors import MethodError
+from ..progress import silent
 from ..solving.solver import SolverFactory, factorized
 from .accuracy import rounding_error, solution_accuracy, unsolved_error
 from .band import Band
@@ -38,57 +39,57 @@ Watch = Callable[[str], None]
 Mask = NDArray[np.bool_]
 
 
-def krylov_modes(
-    structure: Structure,
-    damping: Damping,
-    band: Band,
-    tolerance: float,
-    watch: Watch,
-    fields: bool = False,
-    solver: SolverFactory = factorized,
-) -> tuple[Modes, Shapes, float]:
-    """Modes right to `tolerance` in the band, their shapes, and the estimated error.
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Modes of a structure that are to be right to a tolerance in a band.
+
+    fields: whether displacements and strains of the whole body count, and not interfaces alone;
+    watch: called with the progress as text; solver: what solves with the matrices of shifts.
+    """
+
+    structure: Structure
+    damping: Damping
+    band: Band
+    tolerance: float
+    fields: bool = False
+    watch: Watch = silent
+    solver: SolverFactory = factorized
+
+
+def krylov_modes(request: Request) -> tuple[Modes, Shapes, float]:
+    """The modes that a request asks for, their shapes, and the estimated error.
 
     The estimate is the change by the last block, times `CHANGE_FACTOR`, and what condensing the
     modes above the band and leaving out those that loads hardly excite makes, each a tenth of the
     tolerance at most; without a factor another tenth, for the solutions. Where the space is
     exhausted it holds every mode that the interfaces can excite. Where rounding keeps the error
-    above the tolerance, it is stated as it is. With `fields` it includes the displacements and
-    strains of the whole body; where the structure has loads of rotation, their slow responses.
-    `watch` is called with the progress as text. `MethodError` if the tolerance asks for a larger
-    space than `MAX_KRYLOV_VECTORS` or the memory allows.
+    above the tolerance, it is stated as it is. Where the structure has loads of rotation, it
+    includes their slow responses. `MethodError` if the tolerance asks for a larger space than
+    `MAX_KRYLOV_VECTORS` or the memory allows.
     """
+    structure, band, fields = request.structure, request.band, request.fields
     chain = slow_chain(structure)
-    shift, lower = shifts(structure, damping, band)
-    accuracy = solution_accuracy(tolerance, fields)
-    space = KrylovSpace(
-        structure, shift, lower, solver, accuracy, far_above(shift, band), refined=fields
-    )
+    shift, lower = shifts(structure, request.damping, band)
+    accuracy = solution_accuracy(request.tolerance, fields)
+    at_once = far_above(shift, band)
+    space = KrylovSpace(structure, shift, lower, request.solver, accuracy, at_once, refined=fields)
     unsolved = unsolved_error(accuracy, fields) if space.inexact else 0.0
-    return modes_in(space, chain, damping, band, tolerance, watch, fields, unsolved)
+    return modes_in(request, space, chain, unsolved)
 
 
 def modes_in(
-    space: KrylovSpace,
-    chain: list[Array],
-    damping: Damping,
-    band: Band,
-    tolerance: float,
-    watch: Watch,
-    fields: bool = False,
-    unsolved: float = 0.0,
+    request: Request, space: KrylovSpace, chain: list[Array], unsolved: float = 0.0
 ) -> tuple[Modes, Shapes, float]:
     """What `krylov_modes` finds, in a space that grows; chain: blocks for loads of rotation."""
-    agreed = space.structure.processes.agreed
-    reserved = sum(W.shape[1] for W in chain)
-    search = Search(space, damping, band, tolerance, unsolved, fields, reserved, watch)
+    band, fields, agreed = request.band, request.fields, request.structure.processes.agreed
+    search = Search(request, space, unsolved, reserved=sum(W.shape[1] for W in chain))
     found = search.run()
     if chain:
         found = search.with_rotation(found, chain)
     modes, Q = _only(found.modes, ~found.weak), found.Q[:, ~found.weak]
     loads = space.with_rotation(modes, Q).phi if chain else modes.phi
-    share = CONDENSATION_ERROR_SHARE * tolerance * (OF_FIELDS if fields else 1.0)
-    few = agreed(lambda: condensed(modes, damping, band, share, fields, loads))
+    share = CONDENSATION_ERROR_SHARE * request.tolerance * (OF_FIELDS if fields else 1.0)
+    few = agreed(lambda: condensed(modes, request.damping, band, share, fields, loads))
     stated = found.error + found.lost + few.error + unsolved
     return few.modes, space_shapes(space.basis, Q @ few.Y), stated
 
@@ -118,14 +119,10 @@ class Search:
     that are set aside for what is added at the end.
     """
 
+    request: Request
     space: KrylovSpace
-    damping: Damping
-    band: Band
-    tolerance: float
     unsolved: float
-    fields: bool
     reserved: int
-    watch: Watch
 
     def run(self) -> Found:
         """The modes once they are right, or once the space is exhausted."""
@@ -157,8 +154,8 @@ class Search:
             modes, Q = self._modes_of(self.space.blocks)
             before, better = better, self.space.with_rotation(modes, Q)
             if before is not None:
-                error = CHANGE_FACTOR * self.band.slow_error(before, better)
-                if error <= self.tolerance:
+                error = CHANGE_FACTOR * self.request.band.slow_error(before, better)
+                if error <= self.request.tolerance:
                     break
         return self._without_weak(modes, Q, max(found.error, error))
 
@@ -171,59 +168,60 @@ class Search:
         space, before = self.space, found
         while space.rough or not found.enough:
             self._require_room(found, self._corrections(found))
-            space.correct(found.modes.omega, found.Q, 2.0 * np.pi * self.band.top)
+            space.correct(found.modes.omega, found.Q, 2.0 * np.pi * self.request.band.top)
             found = self._found(found.error)
         return replace(found, error=max(found.error, before.error))
 
     def _corrections(self, found: Found) -> int:
         """The vectors that a correction adds: of modes in the band, and of static responses."""
-        inside = found.modes.omega <= 2.0 * np.pi * self.band.top
+        inside = found.modes.omega <= 2.0 * np.pi * self.request.band.top
         return int(inside.sum()) + int(self.space.structure.P_C.shape[0])
 
     @property
     def _goal(self) -> float:
         """The error of the space that leaves room for the others."""
-        return (1.0 - 2.0 * CONDENSATION_ERROR_SHARE) * self.tolerance - self.unsolved
+        return (1.0 - 2.0 * CONDENSATION_ERROR_SHARE) * self.request.tolerance - self.unsolved
 
     def _found(self, earlier: float) -> Found:
         """The modes of the space; earlier: the least error before, which says whether it falls."""
         blocks, agreed = self.space.blocks, self.space.structure.processes.agreed
         modes, Q = self._modes_of(blocks)
         before, Q_before = self._modes_of(blocks - 1)
-        turn = Q[: len(Q_before)].T @ Q_before if self.fields else None
-        error = agreed(partial(_change, self.band, before, modes, turn, self.tolerance))
+        request = self.request
+        turn = Q[: len(Q_before)].T @ Q_before if request.fields else None
+        error = agreed(partial(_change, request.band, before, modes, turn, request.tolerance))
         stalled = STALL_RATIO * earlier <= error <= rounding_error(self.space, modes, Q)
         if error <= self._goal or stalled:
             found = self._without_weak(modes, Q, error)
         else:
             found = Found(modes, Q, error, np.zeros(len(modes.omega), dtype=bool), enough=False)
-        self.watch(f"{blocks} blocks, error {max(error, found.lost):.1e}")
+        request.watch(f"{blocks} blocks, error {max(error, found.lost):.1e}")
         return found
 
     def _without_weak(self, modes: Modes, Q: Array, error: float) -> Found:
         """Modes of an error, those left out that are not right to it."""
-        largest = max(error, self.tolerance)
-        weak = _weak(self.space, modes, Q, self.band, largest)
+        largest = max(error, self.request.tolerance)
+        weak = _weak(self.space, modes, Q, self.request.band, largest)
         agreed = self.space.structure.processes.agreed
-        lost = agreed(partial(_lost, self.band, modes, weak, self.fields))
+        lost = agreed(partial(_lost, self.request.band, modes, weak, self.request.fields))
         return Found(modes, Q, error, weak, lost, lost <= CONDENSATION_ERROR_SHARE * largest)
 
     def _modes_of(self, blocks: int) -> tuple[Modes, Array]:
         """The modes of the first blocks, and their coordinates."""
         omega, Q = self.space.ritz(blocks)
         phi = space_shapes(self.space.basis, Q)(self.space.structure.P_C)
-        return damped_modes(self.damping, omega, phi, self.band.finest_step), Q
+        return damped_modes(self.request.damping, omega, phi, self.request.band.finest_step), Q
 
     def _require_room(self, found: Found, more: int) -> None:
         """`MethodError` if the space has no room for more vectors."""
-        space, band, room = self.space, self.band, self.space.room
+        space, request, room = self.space, self.request, self.space.room
         if space.basis.columns + more + self.reserved > room:
             march = ", or use method march" if space.structure.surfaces is None else ""
             raise MethodError(
-                f"impulse.method krylov: an error of {self.tolerance:g} up to {band.limit:g} Hz "
-                f"takes more than the {room} vectors that there is time and memory for, found "
-                f"{max(found.error, found.lost):.1e} with {space.dimension}: raise "
-                f"impulse.tolerance, lower impulse.band{march}"
+                f"impulse.method krylov: an error of {request.tolerance:g} up to "
+                f"{request.band.limit:g} Hz takes more than the {room} vectors that there is time "
+                f"and memory for, found {max(found.error, found.lost):.1e} with "
+                f"{space.dimension}: raise impulse.tolerance, lower impulse.band{march}"
             )
 
 
@@ -234,8 +232,7 @@ def _weak(space: KrylovSpace, modes: Modes, Q: Array, band: Band, error: float) 
     frequency that no mode of the body has.
     """
     inside = modes.omega <= 2.0 * np.pi * band.top
-    weak: Mask = inside & (CHANGE_FACTOR * space.frequency_changes(modes.omega, Q) > error)
-    return weak
+    return np.asarray(inside & (CHANGE_FACTOR * space.frequency_changes(modes.omega, Q) > error))
 
 
 def _only(modes: Modes, chosen: Any) -> Modes:

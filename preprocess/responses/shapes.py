@@ -24,13 +24,11 @@ class Shapes:
 
     def combined(self, Y: Array) -> Array:
         """Phi Y (n_u, k) for modal coordinates Y (m, k)."""
-        found: Array = self.V @ (Y if self.Q is None else self.Q @ Y)
-        return found
+        return np.asarray(self.V @ (Y if self.Q is None else self.Q @ Y))
 
 
 def at(rows: Any, V: Array) -> Array:
     """rows @ V for sparse rows (k, n_u), of which V is read only where they touch it."""
     rows = rows.tocsc()
     touched = np.flatnonzero(np.diff(rows.indptr))
-    product: Array = rows[:, touched] @ V[touched]
-    return product
+    return np.asarray(rows[:, touched] @ V[touched])

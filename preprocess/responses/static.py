@@ -51,8 +51,7 @@ def static_shapes(structure: Structure) -> Array:
     correction = solve(f - structure.K @ u)
     change = structure.P_C @ correction[:, : structure.P_C.shape[0]]
     _check_determined(structure.P_C @ u[:, : len(change)] + change, change)
-    shapes: Array = u + correction
-    return shapes
+    return np.asarray(u + correction)
 
 
 def static_solver(structure: Structure) -> Solve:
@@ -64,7 +63,8 @@ def static_solver(structure: Structure) -> Solve:
     """
     K = structure.K.tocsr()
     free = np.setdiff1d(np.arange(structure.n_u), _determinate_dofs(structure))
-    solve = factorize(K[free][:, free], "the stiffness with six dofs held")
+    name = "the stiffness with six dofs held"
+    solve = factorize(K[free][:, free], name, solvers=structure.solvers)
 
     def response(loads: Array) -> Array:
         if not loads.size:
@@ -79,8 +79,7 @@ def static_solver(structure: Structure) -> Solve:
 def refined(structure: Structure, solve: Solve, f: Array) -> Array:
     """A static response with one step of refinement."""
     u = solve(f)
-    better: Array = u + solve(f - structure.K @ u)
-    return better
+    return np.asarray(u + solve(f - structure.K @ u))
 
 
 def slow_chain(structure: Structure, solve: Solve | None = None) -> list[Array]:
@@ -131,7 +130,9 @@ def initial_accelerations(structure: Structure) -> Array:
     """
     M, loads = structure.M.tocsr(), structure.loads
     solution = _solved_by_gradients(M, loads)
-    return solution if solution is not None else factorize(M, "the mass matrix")(loads)
+    if solution is not None:
+        return solution
+    return factorize(M, "the mass matrix", solvers=structure.solvers)(loads)
 
 
 def _solved_by_gradients(A: Any, B: Array) -> Array | None:

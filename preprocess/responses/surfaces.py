@@ -8,14 +8,12 @@ import numpy as np
 from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.damping import Damping
 from ..errors import MeshError
 from ..memory import require
 from ..solving.factor import Solve
-from .band import Band
 from .krylov import KrylovSpace
 from .lanczos import modes_up_to
-from .search import Watch, modes_in
+from .search import Request, Watch, modes_in
 from .shapes import Shapes
 from .static import refined, slow_chain, static_solver
 
@@ -34,14 +32,7 @@ class SurfaceResponses:
     H: Array
 
 
-def surface_responses(
-    structure: Structure,
-    damping: Damping,
-    band: Band,
-    tolerance: float,
-    watch: Watch,
-    fields: bool = False,
-) -> SurfaceResponses:
+def surface_responses(request: Request) -> SurfaceResponses:
     """The modes of a body with surfaces, and the compliance H of these.
 
         V = [modes of the free body in the band, K^+ F, K^+ M K^+ F, ...],    H = P_S K^+ P_S^T
@@ -51,15 +42,15 @@ def surface_responses(
     Blocks are added until interfaces are right to the tolerance, as the method krylov has them. One
     factor of K, with six dofs held, serves all of it. Source: docs/theory.md, Surfaces.
     """
-    assert structure.surfaces is not None
+    structure, watch = request.structure, request.watch
     require_compliance_room(structure)
     solve = static_solver(structure)
-    normal = modes_up_to(structure, solve, 2.0 * np.pi * band.limit, watch)
+    normal = modes_up_to(structure, solve, 2.0 * np.pi * request.band.limit, watch)
     space = KrylovSpace(
         structure, 0.0, solver=lambda *_: partial(refined, structure, solve), known=normal
     )
     chain = slow_chain(structure, solve)
-    modes, shapes, error = modes_in(space, chain, damping, band, tolerance, watch, fields)
+    modes, shapes, error = modes_in(request, space, chain)
     modes, shapes = _ascending(modes, shapes)
     return SurfaceResponses(modes, shapes, error, surface_compliance(structure, solve, watch))
 

@@ -10,15 +10,14 @@ from ...superelement import Modes
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
 from ..body.damping import Damping
-from .band import Band
 from .modal import FULL_MODAL_UNKNOWNS, elastic_shapes
 from .reduction import Reduction, craig_bampton, rubin
-from .search import Watch, krylov_modes
+from .search import Request, krylov_modes
 from .shapes import Shapes
 
 TRUNCATION_ERROR = 1e-2  # of the transfer function, up to which modes count as right
 REFERENCE_SHARE = 0.1  # that the modes may err by which they are measured
-REDUCTIONS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
+REDUCTION_METHODS: dict[str, Callable[[Structure, Damping, int], Reduction]] = {
     "craig-bampton": craig_bampton,
     "rubin": rubin,
 }
@@ -34,36 +33,28 @@ class Truncation:
     limit: float
 
 
-def truncated_modes(
-    structure: Structure,
-    damping: Damping,
-    reduction: Reduction,
-    wide: Band,
-    watch: Watch,
-    fields: bool = False,
-) -> Truncation:
-    """The modes of a reduction, with the band within `wide` in which they are right.
+def truncated_modes(request: Request, reduction: Reduction) -> Truncation:
+    """The modes of a reduction, with the part of the requested band in which they are right.
 
     At most up to the frequency of the last mode that was asked for. They are measured: against all
     modes of a small mesh, and against Krylov's of a large one, which are right to a tenth of that.
-    With `fields` displacements and strains of the whole body count as well. Where no band is found,
-    the error is that in the narrowest one looked at.
+    Where no band is found, the error is that in the narrowest one looked at.
     """
-    band = replace(wide, limit=min(wide.limit, reduction.cutoff))
-    better, shapes, own = _reference(structure, damping, band, watch, fields)
-    turn = _turn(structure, reduction.shapes, shapes) if fields else None
-    right, error = band.within(TRUNCATION_ERROR, reduction.modes, better, turn)
+    band = replace(request.band, limit=min(request.band.limit, reduction.cutoff))
+    # The measure must be finer than what it measures.
+    tolerance = REFERENCE_SHARE * request.tolerance
+    better, shapes, own = _reference(replace(request, band=band, tolerance=tolerance))
+    turn = _turn(request.structure, reduction.shapes, shapes) if request.fields else None
+    right, error = band.within(request.tolerance, reduction.modes, better, turn)
     modes = replace(reduction.modes, h_min=0.25 / right.limit)
     return Truncation(modes, reduction.shapes, error + own, right.limit)
 
 
-def _reference(
-    structure: Structure, damping: Damping, band: Band, watch: Watch, fields: bool
-) -> tuple[Modes, Shapes, float]:
+def _reference(request: Request) -> tuple[Modes, Shapes, float]:
     """Modes that are right in the band, their shapes, and their error."""
-    if structure.n_u <= FULL_MODAL_UNKNOWNS:
-        return *elastic_shapes(structure, damping), 0.0
-    return krylov_modes(structure, damping, band, REFERENCE_SHARE * TRUNCATION_ERROR, watch, fields)
+    if request.structure.n_u <= FULL_MODAL_UNKNOWNS:
+        return *elastic_shapes(request.structure, request.damping), 0.0
+    return krylov_modes(request)
 
 
 def _turn(structure: Structure, shapes: Shapes, better: Shapes) -> Array:

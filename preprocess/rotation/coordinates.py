@@ -90,6 +90,7 @@ def choose(
         kept = kept[
             stiffening.taken(soft[:, kept], soft_squares[kept], Y, squares) <= MAX_STIFFENING_TAKEN
         ]
+    # By frequency again: those that were asked for came by how much they stiffen.
     kept = np.sort(kept)
     return _coordinates(modes, low, soft[:, kept], soft_squares[kept], kappa / kappa[0])
 
@@ -111,6 +112,7 @@ def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, A
     In the order of their frequencies.
     """
     c = modes.phi[loaded] / modes.omega**2
+    # Residual: what the modes that are kept carry already must not be there twice.
     c[:, low] = 0.0
     scale = 1.0 / np.sqrt(np.maximum((c * c).sum(axis=1), np.finfo(float).tiny))
     c = scale[:, None] * c

@@ -34,6 +34,7 @@ def reduced_rotation(
     fields = statics(structure) if second.elements.strain_energy else None
     q = _chosen(second, fields, modes, shapes, asked)
     Psi = shapes.combined(q.Y)
+    # Of interfaces and of the six changes of inertia, which respond to the same stress.
     stress = _foreshortening(second, fields, Psi, q.squares)
     n_c = len(modes.phi)
     cubic, quartic = (
@@ -106,13 +107,11 @@ def _energy(
         """K_w^+ P^T f, for loads (n_u, k)."""
         balanced = relieve(f, structure.U, structure.M)
         u = refined(structure, solve, balanced)
-        rest: Array = u - Psi @ ((Psi.T @ balanced) / squares[:, None])
-        return rest
+        return np.asarray(u - Psi @ ((Psi.T @ balanced) / squares[:, None]))
 
     return second.cubic(Psi), second.quartic(Psi, respond)
 
 
 def _symmetric(A: Array) -> Array:
     """A (k, n, n), of each matrix the mean with its transpose."""
-    mean: Array = 0.5 * (A + A.transpose(0, 2, 1))
-    return mean
+    return np.asarray(0.5 * (A + A.transpose(0, 2, 1)))

@@ -58,8 +58,7 @@ class Stiffening:
         D3 = self.second.third(self.fields.u, self.shapes.combined(Y))
         diagonal = np.diagonal(D3, axis1=1, axis2=2) / squares
         kinds = self.fields.by_kind(diagonal)
-        most: Array = np.max([np.linalg.norm(kind, axis=0) for kind in kinds], axis=0)
-        return most
+        return np.asarray(np.max([np.linalg.norm(kind, axis=0) for kind in kinds], axis=0))
 
     def taken(self, Y: Array, squares: Array, Y_low: Array, low_squares: Array) -> Array:
         """The part (n,) of what loads stiffen the lowest modes that each shape would take.
@@ -82,8 +81,7 @@ class Stiffening:
             for kind in self.fields.by_kind(f.T @ Psi / squares)
         ]
         kinds = zip(carried, np.maximum(whole, MIN_KIND_STIFFENING * max(whole)), strict=True)
-        most: Array = np.max([part / total for part, total in kinds], axis=0)
-        return most
+        return np.asarray(np.max([part / total for part, total in kinds], axis=0))
 
 
 def statics(structure: Structure) -> Statics:
@@ -104,5 +102,4 @@ def _orthonormal(energy: Array) -> Array:
     scaled = scale[:, None] * energy * scale
     values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
     kept = values > MIN_LOAD_EIGENVALUE * values[-1]
-    sums: Array = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
-    return sums
+    return np.asarray(scale[:, None] * vectors[:, kept] / np.sqrt(values[kept]))

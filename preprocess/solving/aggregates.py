@@ -75,7 +75,7 @@ def panel_multigrid(S: Blocks, U: Array) -> Multigrid[Panel]:
     with _same_random_numbers():
         hierarchy = pyamg.smoothed_aggregation_solver(
             A,
-            B=S.ordered(U).astype(np.float32),
+            B=S.ordered(U, U.shape[1]),
             symmetry="symmetric",
             strength=("symmetric", {"theta": 0.0}),
             improve_candidates=None,

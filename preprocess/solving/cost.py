@@ -81,6 +81,7 @@ def gradient_cost(
     the blocks and of seven panels; multigrid takes as much again for its levels, and twice the
     blocks while it is made.
     """
+    # A panel that is not full costs as much as one that is.
     panels = math.ceil(n_c / 16)
     product, loop = 32.0 * nnz / BLOCK_RATE / threads(), PANEL_BYTES * n_u / STREAM_RATE / threads()
     steps, memory = gradient_steps(condition, accuracy), 4.5 * nnz + 7.0 * PANEL_BYTES * n_u
@@ -127,5 +128,4 @@ def surface_cost(n_u: int, nnz: int, columns: int, modes: float) -> Cost:
 
 
 def _entries(n_u: int) -> float:
-    entries: float = 22.0 * n_u ** (4.0 / 3.0)
-    return entries
+    return float(22.0 * n_u ** (4.0 / 3.0))

@@ -1,8 +1,6 @@
 """Sparse factorizations, by the first library that solves accurately."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -45,26 +43,12 @@ class Factor:
         return "; ".join([self.backend, *(f"not {reason}" for reason in self.passed_over)])
 
 
-_summaries: ContextVar[list[str]] = ContextVar("_summaries")
-
-
-def note(summary: str) -> None:
-    """Tell `factorizations` how something was solved."""
-    _summaries.get([]).append(summary)
-
-
-@contextmanager
-def factorizations() -> Iterator[list[str]]:
-    """The summaries of what was factorized, or solved without, inside, in their order."""
-    summaries: list[str] = []
-    token = _summaries.set(summaries)
-    try:
-        yield summaries
-    finally:
-        _summaries.reset(token)
-
-
-def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Factor:
+def factorize(
+    matrix: Any,
+    name: str,
+    beside: Mapping[str, float] = NO_NEEDS,
+    solvers: list[str] | None = None,
+) -> Factor:
     """Factorize a sparse symmetric positive definite matrix (n, n) with rslab, or the next library.
 
         max_i |A x - b|_i / (|A| |x| + |b|)_i <= 1e-10
@@ -72,10 +56,10 @@ def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) ->
     holds for a random b: the backward error of every equation, which no choice of units can hide.
     Refinement has nothing to add to it: rslab leaves 1e-16 to 4e-14 on mass, stiffness and what
     time steps make of them, for solids in any unit and for beams. `name` is what errors call the
-    matrix; `beside`, what is to fit into the memory with the factor, in bytes. `MeshError` if the
-    matrix is not positive definite, `MethodError` if no library solves with it,
-    `MemoryShortageError` before anything is factorized that does not fit. Source of the residual:
-    W. Oettli and W. Prager, Numerische Mathematik 6 (1964) 405-409.
+    matrix; `beside`, what is to fit into the memory with the factor, in bytes; the summary of the
+    factor is added to `solvers`. `MeshError` if the matrix is not positive definite, `MethodError`
+    if no library solves with it, `MemoryShortageError` before anything is factorized that does not
+    fit. Source of the residual: W. Oettli and W. Prager, Numerische Mathematik 6 (1964) 405-409.
     """
     A = matrix.tocsc()
     A.sort_indices()
@@ -89,7 +73,8 @@ def factorize(matrix: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) ->
         residual = _residual(A, solve)
         if residual <= MAX_FACTOR_RESIDUAL:
             factor = Factor(solve, backend, residual, tuple(failures))
-            note(factor.summary)
+            if solvers is not None:
+                solvers.append(factor.summary)
             return factor
         failures.append(
             f"{backend}: relative residual {residual:.1e}, expected {MAX_FACTOR_RESIDUAL:g} at most"
@@ -123,7 +108,7 @@ def _rslab(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve:
         raise _BackendError(str(error)) from error
     _, negative, zero = factor.inertia
     if negative or zero:
-        raise _not_definite(A, name, f"{negative} negative and {zero} zero pivots")
+        raise not_definite(A.shape[0], name, f"{negative} negative and {zero} zero pivots")
     return lambda b: factor.solve(b) if b.ndim == 1 else factor.solve_many(b)
 
 
@@ -137,7 +122,7 @@ def _cholmod(A: Any, name: str, beside: Mapping[str, float] = NO_NEEDS) -> Solve
     try:
         factor = analyze(A, mode="supernodal", ordering_method="metis").cholesky(A)
     except CholmodNotPositiveDefiniteError as error:
-        raise _not_definite(A, name, str(error)) from error
+        raise not_definite(A.shape[0], name, str(error)) from error
     except CholmodError as error:
         raise _BackendError(str(error)) from error
     return lambda b: factor.solve_A(b)
@@ -166,9 +151,10 @@ def _require(size: float, A: Any, name: str, beside: Mapping[str, float]) -> Non
     )
 
 
-def _not_definite(A: Any, name: str, found: str) -> MeshError:
+def not_definite(n_u: int, name: str, found: str) -> MeshError:
+    """The error of a matrix (n_u, n_u) that is to be positive definite."""
     return MeshError(
-        f"{name} ({A.shape[0]} unknowns): expected a positive definite matrix, found {found}: "
+        f"{name} ({n_u} unknowns): expected a positive definite matrix, found {found}: "
         "the body is a mechanism, or its material or mass is not sound"
     )
 

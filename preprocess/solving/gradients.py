@@ -117,8 +117,7 @@ class Solution(Generic[Vectors]):
     @property
     def energy(self) -> Array:
         """X . S X (k,)."""
-        total: Array = np.sum(self.gains, axis=0)
-        return total
+        return np.asarray(np.sum(self.gains, axis=0))
 
 
 def energy_left(gains: list[Array]) -> Array:
@@ -132,8 +131,7 @@ def energy_left(gains: list[Array]) -> Array:
         return np.where(gains[-1] > 0.0, np.inf, 0.0)
     last = np.sum(gains[-window:], axis=0)
     rate = np.minimum(ratio(last, np.sum(gains[-2 * window : -window], axis=0)), MAX_GAIN_RATIO)
-    left: Array = last * rate / (1.0 - rate)
-    return left
+    return np.asarray(last * rate / (1.0 - rate))
 
 
 class NotConvergedError(MethodError):

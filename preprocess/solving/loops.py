@@ -37,8 +37,7 @@ class Loops:
         loop, pieces = getattr(self._compiled, name), _pieces(n_nodes)
         sums = np.zeros((len(pieces), PANEL_WIDTH))
         list(self._pool.map(lambda total, piece: loop(*arguments, total, *piece), sums, pieces))
-        total: Array = sums.sum(axis=0)
-        return total
+        return np.asarray(sums.sum(axis=0))
 
 
 def _pieces(n_nodes: int) -> list[tuple[int, int]]:

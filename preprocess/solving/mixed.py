@@ -50,8 +50,7 @@ def _energy_left(gains: list[Array]) -> Array:
     """
     if len(gains) < 2:
         return np.full_like(gains[0], np.inf)
-    left: Array = gains[-1] * np.sqrt(ratio(gains[-1], gains[-2]))
-    return left
+    return np.asarray(gains[-1] * np.sqrt(ratio(gains[-1], gains[-2])))
 
 
 def single_factor(S: Any) -> Solve | None:

@@ -48,23 +48,18 @@ class Blocks:
     def n_nodes(self) -> int:
         return len(self.first) - 1
 
-    def ordered(self, B: Array) -> Array:
-        """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, k), zeros for fillers."""
+    def ordered(self, B: Array, width: int) -> Panel:
+        """The rows of B (n_u, k) in the order of the nodes (3 n_nodes, width), else zeros."""
         real = self.order < self.n_u
-        found = np.zeros((len(self.order), B.shape[1]))
-        found[real] = B[self.order[real]]
+        found = np.zeros((len(self.order), width), dtype=np.float32)
+        found[real, : B.shape[1]] = B[self.order[real]]
         return found
 
     def panels(self, B: Array) -> list[Panel]:
         """The columns of B (n_u, k) in panels, zeros behind the last."""
-        found = []
-        for start in range(0, B.shape[1], PANEL_WIDTH):
-            part = B[:, start : start + PANEL_WIDTH]
-            panel = np.zeros((3 * self.n_nodes, PANEL_WIDTH), dtype=np.float32)
-            real = self.order < self.n_u
-            panel[real, : part.shape[1]] = part[self.order[real]]
-            found.append(panel.reshape(-1, 3, PANEL_WIDTH))
-        return found
+        starts = range(0, B.shape[1], PANEL_WIDTH)
+        parts = (B[:, start : start + PANEL_WIDTH] for start in starts)
+        return [self.ordered(part, PANEL_WIDTH).reshape(-1, 3, PANEL_WIDTH) for part in parts]
 
     def vectors(self, panels: list[Panel], k: int) -> Array:
         """The columns (n_u, k) of panels."""

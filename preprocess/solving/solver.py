@@ -22,7 +22,7 @@ from .cost import (
     gradient_cost,
     gradient_steps,
 )
-from .factor import COARSER_MESH_ADVICE, Solve, factorize, note
+from .factor import COARSER_MESH_ADVICE, Solve, factorize
 from .gradients import NotConvergedError, given_up
 from .mixed import MIXED_BYTES_RATIO, MIXED_SECONDS_RATIO, MixedFactor, single_factor
 from .panels import in_blocks
@@ -55,7 +55,8 @@ def factorized(
     structure: Structure, shift: float, name: str, accuracy: float, blocks: int = EXPECTED_BLOCKS
 ) -> Solve:
     """By a factor, which is more accurate than is asked for."""
-    return factorize(structure.K + shift * structure.M, name, _basis(structure))
+    S = structure.K + shift * structure.M
+    return factorize(S, name, _basis(structure), structure.solvers)
 
 
 def mixed(
@@ -71,7 +72,7 @@ def mixed(
     single = single_factor(K + shift * M)
     if single is None:
         return factor()
-    note("rslab in single precision, refined")
+    structure.solvers.append("rslab in single precision, refined")
     product = partial(shifted_product, K, M, shift)
     return Patient(MixedFactor(name, structure.n_u, product, single, accuracy), factor)
 
@@ -90,7 +91,7 @@ def iterated(
             multigrid = panel_multigrid(single, structure.U)
         except np.linalg.LinAlgError as error:
             raise given_up(name, structure.n_u, "the digits of single precision") from error
-    note("conjugate gradients" + (" with multigrid" if multigrid else ""))
+    structure.solvers.append("conjugate gradients" + (" with multigrid" if multigrid else ""))
     product = partial(shifted_product, K, M, shift)
     return RefinedGradients(name, single, product, accuracy, multigrid)
 
@@ -201,8 +202,7 @@ def condition(structure: Structure, shift: float) -> float:
 
 def shifted_product(K: Any, M: Any, shift: float, X: Array) -> Array:
     """S X with S = K + s M, in double precision."""
-    found: Array = K @ X + shift * (M @ X)
-    return found
+    return np.asarray(K @ X + shift * (M @ X))
 
 
 def _basis(structure: Structure) -> dict[str, float]:

@@ -49,6 +49,7 @@ def assign(
     """
     if whole is not None:
         return Assignment({"": whole}, np.zeros(mesh.n_elements, dtype=np.int64))
+    # Overlaps and gaps are both mistakes of groups, and are told together.
     members = np.zeros((len(by_group), mesh.n_elements), dtype=bool)
     for i, name in enumerate(by_group):
         members[i, mesh.members(name)] = True

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...superelement.validation import Array
 from ..body.sensors import SensorPoint
@@ -16,8 +17,7 @@ def unit_vector(direction: Any) -> Array:
     """A direction as a vector (3,) of length 1."""
     vector = np.asarray(direction, dtype=float)
     vector = vector / np.abs(vector).max()  # whose square is a number
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, size: float) -> Any:
@@ -31,12 +31,7 @@ def stretch_rows(displacement_at: Callable[[Array], Any], sensor: SensorPoint, s
         raise BodyError(
             f"length: expected at least {MIN_GAUGE_LENGTH * size:.3g} m, found {length:.3g}"
         )
+    # The point is the middle of a gauge, as the data sheets of gauges have it.
     middle = np.array(sensor.point)
     first, second = (displacement_at(middle + s * 0.5 * length * d) for s in (-1.0, 1.0))
-    return _row(d / length) @ (second - first)
-
-
-def _row(vector: Array) -> Any:
-    import scipy.sparse as sp
-
-    return sp.csr_array(vector[None])
+    return sp.csr_array((d / length)[None]) @ (second - first)

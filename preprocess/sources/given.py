@@ -8,7 +8,7 @@ from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
 from ..assembly.source import FieldPoints
 from ..body.loads import LoadPattern
-from ..body.selection import InterfaceSelection, Selection, SurfaceSelection
+from ..body.selection import Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.inertia import NodalTensors, scalar_mass
 from ..errors import BodyError
@@ -36,6 +36,7 @@ class GivenSource:
         return self.model.nodes
 
     def matrices(self) -> tuple[Any, Any]:
+        # Matrices of a held body would simulate without complaint, and wrongly.
         check_free_body(self.model)
         K = self.model.K if self.stiffening == 1.0 else self.model.K / self.stiffening
         return K, self.model.M
@@ -51,7 +52,7 @@ class GivenSource:
             )
         return NodalTensors(self.name, M_s, self.nodes.points - center)
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """The dofs of one node, or a frame with six that several carry."""
         table = self.model.table
         if selection.node is not None:

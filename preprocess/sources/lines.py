@@ -15,7 +15,7 @@ from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import Section
-from ..body.selection import InterfaceSelection, SurfaceSelection
+from ..body.selection import Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.beam import beam_matrices, lengths, lengths_and_axes
 from ..elements.beam_force import line_forces
@@ -78,7 +78,7 @@ class LineSource:
         middles: Array = self.mesh.points[self.mesh.cells["line"]].mean(axis=1)
         return middles, lengths_and_axes(self.mesh, self.section_of_each)[1]
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """The dofs of the node nearest to a point, or of the one that a group or shapes select."""
         mesh = self.mesh
         check_elements(selection, mesh)
@@ -86,6 +86,7 @@ class LineSource:
             return nodal_frame(nearest_node(selection, mesh.points, mesh.size), self.nodes)
         if selection.model_fields_set & {"kind", "at"}:
             raise InterfaceError("kind and at belong to facets, of which a mesh of lines has none")
+        # A frame on several nodes would need their weights, which lines do not tell.
         members = mesh_nodes(selection, mesh)
         if len(members) != 1:
             listed = [
@@ -164,4 +165,5 @@ def _scatter(blocks: Array, dofs: IntArray, n_dofs: int) -> Any:
     columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
     shape = (n_dofs, n_dofs)
     matrix = sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsc()
+    # Sums in another order round differently on both sides of the diagonal.
     return (0.5 * (matrix + matrix.T)).tocsc()

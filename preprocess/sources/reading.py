@@ -27,7 +27,32 @@ def read_source(body: Body) -> Source:
 
 
 def files_of(body: Body) -> tuple[Path, ...]:
-    """All files that a body is read from, with those that they name; `MeshError` as `read_mesh`."""
+    """All files that a body is read from, with those that they include.
+
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    tuple of Path
+        None of a mesh in memory.
+
+    Raises
+    ------
+    MeshError
+        Names a file that is missing or damaged.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> from duhamel.preprocess import mesh_of
+    >>> mesh = mesh_of(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]))
+    >>> part = du.Part(mesh, du.Material(E=210e9, nu=0.3, rho=7850.0))
+    >>> part.interface("tip", (1, 0, 0))
+    >>> files_of(part.body(step=1e-5))
+    ()
+    """
     if isinstance(body.mesh, Path):
         return tuple(mesh_files(body.mesh))
     if body.matrices is None:
@@ -40,11 +65,13 @@ def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
+    # A mesh in memory was scaled when it was made.
     mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
     if body.order == 2:
         mesh = quadratic(mesh)
     if mesh.body_types == LINE_CELLS:
         return LineSource(mesh, body)
+    # scikit-fem takes its time to import, and lines do without.
     from .solids import SolidSource
 
     return SolidSource(mesh, body)

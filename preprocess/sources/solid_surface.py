@@ -26,6 +26,7 @@ class SurfacePoints:
 
 def surface_points(mesh: Mesh, facets: Facets, owners: IntArray) -> SurfacePoints:
     """The surface of a mesh whose elements (n_elements,) are of the materials `owners`."""
+    # Inner facets get whichever element comes last; only outer ones are looked at.
     owner_of_facet = np.empty(facets.count, dtype=np.int64)
     for kind, sides in facets.sides.items():
         owner_of_facet[sides] = mesh.of_kind(owners, kind)[:, None]

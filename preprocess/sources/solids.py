@@ -22,7 +22,7 @@ from ..assembly.surface import surface
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import STRESS_ORDER, Material
-from ..body.selection import InterfaceSelection, SurfaceSelection
+from ..body.selection import Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
 from ..elements.bending import bending_excess
 from ..elements.location import locate
@@ -41,11 +41,10 @@ from .assignment import Assignment, assign
 from .gauge import stretch_rows, unit_vector
 from .solid_surface import surface_points
 
-LINEAR, QUADRATIC = 6, 4
-"""Nodes in a wavelength: waves run too fast by (k h)^2 / 24, 5 per cent, and by sqrt(10) / pi - 1,
-1 per cent.
+SOLID_NODES_PER_WAVE = (6, 4)
+"""Nodes in a wavelength, of linear and of quadratic elements: waves run too fast by (k h)^2 / 24,
+5 per cent, and by sqrt(10) / pi - 1, 1 per cent.
 """
-
 STIFF_IN_VOLUME = ("tetra", "wedge")
 """Solids that are too stiff where the material is nearly incompressible."""
 
@@ -86,6 +85,7 @@ class SolidSource:
     def check(self) -> None:
         """`PreprocessError` unless the elements have materials and are one free elastic body."""
         check_connected(self.mesh)
+        # Before anything expensive: a group without material is a mistake in the body file.
         _ = self.materials
         check_jacobians(self.mesh)
         check_no_mechanism(self.mesh, self.facets)
@@ -102,6 +102,7 @@ class SolidSource:
     def tensors(self, M: Any, center: Array) -> SolidTensors:
         return SolidTensors(
             self.name,
+            # The mass of solids is the same in all directions: a third of it says all.
             M[::3, ::3].tocsr(),
             self.mesh.points - center,
             self.mesh,
@@ -109,7 +110,7 @@ class SolidSource:
             self.materials.owners,
         )
 
-    def attachment(self, selection: InterfaceSelection) -> Attachment:
+    def attachment(self, selection: Selection) -> Attachment:
         """A node with three dofs, or a frame with six that facets or points carry.
 
         A group that names a single point has the three dofs of that.
@@ -166,6 +167,7 @@ class SolidSource:
         if names_points(load, self.mesh):
             raise BodyError(f"group {load.group!r}: expected facets, found points")
         numbers = mesh_facets(load, self.mesh, self.facets)
+        # Within a body a pressure would push both sides, and cancel.
         if load.pressure is not None and not self.facets.boundary[numbers].all():
             raise BodyError("pressure: expected facets of the boundary, found some within the body")
         return np.unique(numbers)
@@ -214,7 +216,7 @@ class SolidSource:
             edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
             quadratic = nodes.shape[1] > FACET_TYPES[kind].corners
             spacing = max(spacing, float(edge) / (2 if quadratic else 1))
-        return Resolution(shortest, spacing, QUADRATIC if quadratic else LINEAR)
+        return Resolution(shortest, spacing, SOLID_NODES_PER_WAVE[quadratic])
 
     def bending_excess(self) -> float:
         return bending_excess(self.mesh, self.materials.values, self.materials.owners)

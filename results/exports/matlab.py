@@ -21,29 +21,10 @@ from .folder import distinct, exported
 MAX_VARIABLE_BYTES = (1 << 31) - 1
 # MATLAB's namelengthmax.
 MAX_MATLAB_NAME = 63
-MATLAB_KEYWORDS = frozenset(
-    [
-        "break",
-        "case",
-        "catch",
-        "classdef",
-        "continue",
-        "else",
-        "elseif",
-        "end",
-        "for",
-        "function",
-        "global",
-        "if",
-        "otherwise",
-        "parfor",
-        "persistent",
-        "return",
-        "spmd",
-        "switch",
-        "try",
-        "while",
-    ]
+# What cannot be a name: it begins with no letter, or is a keyword.
+NO_MATLAB_NAME = re.compile(
+    "[^A-Za-z].*|(break|case|catch|classdef|continue|else|elseif|end|for|function|global|if|"
+    "otherwise|parfor|persistent|return|spmd|switch|try|while)?"
 )
 Struct = dict[str, Any]
 
@@ -111,13 +92,8 @@ def identifiers(names: Iterable[str]) -> list[str]:
     Others become `_`, and an x stands before a name that begins with no letter or is a keyword.
     """
     words = [re.sub(r"\W", "_", name, flags=re.ASCII) for name in names]
-    return distinct(
-        [
-            f"x{word}" if not re.match("[A-Za-z]", word) or word in MATLAB_KEYWORDS else word
-            for word in words
-        ],
-        MAX_MATLAB_NAME,
-    )
+    named = (f"x{word}" if NO_MATLAB_NAME.fullmatch(word) else word for word in words)
+    return distinct(named, MAX_MATLAB_NAME)
 
 
 def _require_room(results: Results, target: Path, rows: slice) -> None:

@@ -101,13 +101,11 @@ def octave_bands(time: Array, values: Array, fraction: int = 3) -> Bands:
     edges = np.concatenate([[0.0], powers.frequency + 0.5 * width])
     # The power below each edge; differences at band edges then share lines out linearly.
     below = np.concatenate([np.zeros((1, *powers.values.shape[1:])), powers.values]).cumsum(axis=0)
-    columns = below.reshape(len(edges), -1)
-    square = np.stack(
-        [np.interp(upper, edges, c) - np.interp(lower, edges, c) for c in columns.T], axis=1
+    square = np.apply_along_axis(
+        lambda column: np.interp(upper, edges, column) - np.interp(lower, edges, column), 0, below
     )
     # Differences of large sums may be negative by rounding.
-    values = np.sqrt(np.maximum(square, 0.0)).reshape(len(center), *series.values.shape[1:])
-    return Bands(center, lower, upper, values)
+    return Bands(center, lower, upper, np.sqrt(np.maximum(square, 0.0)))
 
 
 def _check(fraction: int) -> None:

@@ -75,12 +75,12 @@ def fourier(
     frequency, X = _transformed(series, weights)
     if scale == "transient":
         return Spectrum(frequency, series.step * np.abs(X))
-    sides = _sides(len(series.time)).reshape(-1, *[1] * (X.ndim - 1))
-    peaks = sides * np.abs(X) / weights.sum()
+    sides = _sides(len(series.time))
+    peaks = sides * np.abs(X).T / weights.sum()
     if scale == "rms":
         # a mean and what is at half the rate are their own root mean squares
         peaks = peaks / np.sqrt(sides)
-    return Spectrum(frequency, peaks)
+    return Spectrum(frequency, peaks.T)
 
 
 def psd(
@@ -195,14 +195,13 @@ def periodogram(series: Sampled) -> Spectrum:
     They add up to the mean square of the samples (Parseval).
     """
     frequency, X = _transformed(series, np.ones(len(series.time)))
-    sides = _sides(len(series.time)).reshape(-1, *[1] * (X.ndim - 1))
-    return Spectrum(frequency, sides * np.abs(X / len(series.time)) ** 2)
+    powers = _sides(len(series.time)) * np.abs(X / len(series.time)).T ** 2
+    return Spectrum(frequency, powers.T)
 
 
 def _transformed(series: Sampled, weights: Array) -> tuple[Array, Complex]:
-    shaped = weights.reshape(-1, *[1] * (series.values.ndim - 1))
     frequency = np.fft.rfftfreq(len(weights), series.step).astype(np.float64)
-    return frequency, np.fft.rfft(shaped * series.values, axis=0)
+    return frequency, np.fft.rfft((weights * series.values.T).T, axis=0)
 
 
 def _sides(n: int) -> Array:

@@ -5,8 +5,7 @@ They are written whole or not at all.
 
 import hashlib
 import io
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -15,8 +14,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...files import FileError, in_one_line, renamed_when_whole, require_regular
-from ...files.hdf5 import DAMAGE_ERRORS
+from ...files import renamed_when_whole, require_regular
+from ...files.hdf5 import failures_named
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -74,7 +73,7 @@ class StateFile:
 
 def read_state(path: Path) -> StateFile:
     """The state in a file; `StateError` in one line for a file that is none, or damaged."""
-    with _failures_named(path), h5py.File(_whole(path), "r") as file:
+    with failures_named(path, StateError, "state"), h5py.File(_whole(path), "r") as file:
         _check_format(file)
         text = _array(file, "identity", "u1").tobytes().decode()
         names = _names(file["arrays"])
@@ -100,7 +99,9 @@ def _whole(path: Path) -> io.BytesIO:
     # Checked before HDF5 sees the file, whose library may crash on damaged ones.
     image, digest = content[:-STATE_DIGEST_BYTES], content[-STATE_DIGEST_BYTES:]
     if hashlib.sha256(image).digest() != digest:
-        raise StateError("damaged, or no state: the digest at its end is not that of its contents")
+        raise StateError(
+            "damaged, or not a state: the checksum at its end does not match its contents"
+        )
     return io.BytesIO(image)
 
 
@@ -127,15 +128,3 @@ def _array(file: h5py.File, name: str, *kinds: str) -> Any:
     if not stored or dataset.external or dataset.is_virtual or dataset.dtype not in kinds:
         raise StateError(f"{name}: expected numbers in one piece, found {dataset}")
     return dataset[()]
-
-
-@contextmanager
-def _failures_named(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except (StateError, FileError) as error:
-        raise StateError(f"{path}: {error}") from error
-    except FileNotFoundError as error:
-        raise StateError(f"{path}: no such file") from error
-    except DAMAGE_ERRORS as error:
-        raise StateError(f"{path}: not a readable state: {in_one_line(error)}") from error

@@ -75,7 +75,7 @@ class Identity:
             layout = Layout(*values.pop("layout"))
             return cls(kernels=kernels, horizon=horizon, layout=layout, **values)
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-            raise StateError(f"identity: not that of a state: {error}") from error
+            raise StateError(f"identity: not readable: {error}") from error
 
     def check_model(self, model: Model) -> None:
         """`StateError` that names what has changed in versions, machine and model."""
@@ -99,8 +99,8 @@ class Identity:
         """`StateError` for numbers that the same model had not, or kernels of a longer run."""
         if change := first_change(self.system, _system(lowered)):
             raise StateError(
-                f"the data of a step: {change}: other libraries of linear algebra, or another "
-                "number of threads"
+                f"the data of a step differ: {change}: other libraries of linear algebra, or "
+                "another number of threads"
             )
         self.check_kernels(lowered, self.kernels)
 
@@ -111,9 +111,9 @@ class Identity:
             if name not in self.kernels and name not in now:
                 continue
             if name not in self.kernels:
-                raise StateError(f"body {name!r}: its history was recursive, is not")
+                raise StateError(f"body {name!r}: its history was recursive, is not now")
             if name not in now:
-                raise StateError(f"body {name!r}: its history was not recursive, is")
+                raise StateError(f"body {name!r}: its history was not recursive, is now")
             _check_kernel(name, self.kernels[name], now[name], lowered)
 
 
@@ -289,11 +289,10 @@ def _check_kernel(
     # A longer run may cut kernels off that were whole before; that alone would be no reason.
     if was[2] != now[2] and was[3] != now[3]:
         raise StateError(
-            f"body {name!r}: memory: its impulse responses are cut off in the longer run, and were "
-            "not before"
+            f"body {name!r}: memory: its impulse responses are truncated in the longer run only"
         )
     if was[3] != now[3]:
         raise StateError(
-            f"body {name!r}: the first {was[1]} lags of its impulse responses are others in the "
+            f"body {name!r}: the first {was[1]} lags of its impulse responses differ in the "
             "longer run: its superelement holds too few of them"
         )

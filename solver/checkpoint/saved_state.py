@@ -14,8 +14,8 @@ from .identity import Identity, identity_of
 class SavedState:
     """The state of a `Simulator` after a step, as `Simulator.save` gives it.
 
-    It is a copy that no later step changes, for any number of `Simulator.restore`, also of another
-    `Simulator` of the same model.
+    It is a copy that no later step changes. `Simulator.restore` takes it any number of times, also
+    that of another `Simulator` of the same model. See `Simulator` for an example.
     """
 
     def __init__(

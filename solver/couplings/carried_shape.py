@@ -124,7 +124,7 @@ class CarriedShape:
         if len(points) < 4:
             raise self.error(f"points: expected four or more, got {len(points)}")
         if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
-            raise self.error("points: expected each apart from the next")
+            raise self.error("points: expected different neighbors, found equal ones")
 
 
 def _pieces(points: Array) -> list[float]:

@@ -43,7 +43,18 @@ DEEPEST_START = 0.1
 
 @entry(eq=True)
 class Hertz(Entry):
-    """Materials of the first and the second body: E [Pa] and nu."""
+    """The materials of two bodies in contact, for Hertz's law.
+
+    Parameters
+    ----------
+    E : (2,) [Pa]
+    nu : (2,)
+
+    Examples
+    --------
+    >>> Hertz(E=[210e9, 70e9], nu=[0.3, 0.33]).nu
+    (0.3, 0.33)
+    """
 
     E: Numbers
     nu: Numbers
@@ -76,16 +87,45 @@ def _flexibility(E: float, nu: float) -> float:
 class Contact(CarriedShape, Entry, Coupling):
     """A ball about the second frame against a shape that the first carries.
 
-    axis (3,), in space at the start: the normal of a plane, towards the ball, or the axis of a
-    cylinder; radius [m] of a sphere or cylinder about the first frame; hollow: the ball is inside;
-    length [m] of a cylinder, half to each side of the frame, beyond which there is no contact;
-    points (n, 2) [m] of a profile: a cubic spline across the axis through them, closed where the
-    last is the first, along e1, nearest to the x axis of the first frame, and e2 = axis x e1; its
-    outside is to the right as one goes along;
-    ball [m]: its radius, 0 for a point. The force is that of one of `hertz`, `stiffness` and `law`.
-    patch [m]: radii of the patches of the first and second interface over which their motion is
-    averaged, whose own compliance the law of Hertz then leaves out. friction: a coefficient, with
-    tangential_stiffness [N/m] of the contact before it slips and tangential_damping [N s/m].
+    The force is that of one of `hertz`, `stiffness` and `law`.
+
+    Parameters
+    ----------
+    name : str
+    between : (2,) of str
+        The frames of the shape and of the ball, see `Joint`.
+    shape : {"plane", "sphere", "cylinder", "profile"}
+    ball : float [m]
+        The radius of the ball, 0 for a point.
+    axis : (3,), optional
+        The normal of a plane, towards the ball, or the axis of a cylinder; in space at the start.
+    radius : float, optional [m]
+        Of a sphere or cylinder about the first frame.
+    hollow : bool
+        The ball is inside.
+    length : float, optional [m]
+        Of a cylinder, half to each side of its frame; beyond it there is no contact.
+    points : (n, 2), optional [m]
+        Of a profile: a cubic spline across the axis, closed where the last point is the first,
+        along e1, nearest to the x axis of the first frame, and e2 = axis x e1. Outside is to the
+        right as one goes along.
+    hertz : Hertz, optional
+        The materials of both bodies.
+    patch : (2,) [m]
+        Radii of the patches of the first and second interface over which their motion is averaged.
+        Hertz's law then leaves out the compliance of the patches, which the bodies have themselves.
+    impact : Impact
+        The force by the penetration. Model files have its keys beside those of the contact.
+    friction : float, Coulomb or Stribeck, optional
+    tangential_stiffness, tangential_damping : float, optional [N/m, N s/m]
+        Of the contact before it slips.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Impact
+    >>> hard, up = Impact(stiffness=1e6, restitution=0.8), [0.0, 0.0, 1.0]
+    >>> Contact("floor", ["ground", "ball"], "plane", ball=0.02, axis=up, impact=hard).hollow
+    False
     """
 
     label = "contact {name!r}"
@@ -122,7 +162,7 @@ class Contact(CarriedShape, Entry, Coupling):
                 given, missing = missing, given
             raise self.error(f"{missing}: needed with {given}")
         if self.tangential_damping is not None and self.friction is None:
-            raise self.error("tangential_damping: belongs to friction, got none")
+            raise self.error("tangential_damping: expected with friction, found no friction")
 
     def law(self) -> ContactLaw:
         """The law of the gap."""
@@ -255,4 +295,4 @@ class Contact(CarriedShape, Entry, Coupling):
         if len(self.patch) != 2 or min(self.patch) < 0.0:
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
-            raise self.error("patch: belongs to hertz, got none")
+            raise self.error("patch: expected with hertz, found no hertz")

@@ -44,11 +44,33 @@ ALL_KEYS = tuple(dict.fromkeys(key for keys in KEYS_OF_TYPE.values() for key in 
 class Coupler(Entry):
     """A linear equation between coordinates of joints.
 
-    joints: "JOINT.COORDINATE", or "JOINT" if it has one coordinate. A gear takes two angles, and
-    `teeth` or `radii` (of bevel gears their mean ones), `internal` for a ring gear; a rack an angle
-    and a distance, and `radius` [m]; a screw the same, and `lead` [m]; `linear` coordinates of any
-    number of joints, and `ratios`. Signs are those of the coordinates: gears turn in opposite
-    senses about the axes of their joints. offset: by default that of the bodies as they are placed.
+    Signs are those of the coordinates: gears turn in opposite senses about the axes of their
+    joints.
+
+    Parameters
+    ----------
+    name : str
+    type : {"gear", "rack", "screw", "linear"}
+    joints : sequence of str
+        "JOINT.COORDINATE", or "JOINT" if it has one coordinate. A gear takes two angles; a rack and
+        a screw an angle and a distance; "linear" any number of any kind.
+    ratios : (n,), optional
+        Of a linear one: sum ratios_i c_i = offset.
+    teeth, radii : (2,), optional
+        Of a gear, one of both [1, m]; of bevel gears the mean radii.
+    radius : float, optional [m]
+        Of the pinion of a rack.
+    lead : float, optional [m]
+        Of a screw.
+    internal : bool
+        A ring gear.
+    offset : float, optional
+        By default that of the bodies as they are placed.
+
+    Examples
+    --------
+    >>> Coupler("gears", "gear", ["motor", "wheel"], teeth=[20, 60]).joints
+    ('motor', 'wheel')
     """
 
     label = "coupler {name!r}"
@@ -71,7 +93,9 @@ class Coupler(Entry):
             needs, found = " or ".join(KEYS_OF_TYPE[self.type]), " and ".join(given) or "none"
             raise self.error(f"a {self.type} coupler takes {needs}, found {found}")
         if self.offset is not None and is_any(self.offset, Input):
-            raise self.error("offset: takes no input of a Simulator: let one drive a joint")
+            raise self.error(
+                "offset: expected a signal known before the run: let the input drive a joint"
+            )
         if self.internal and self.type != "gear":
             raise self.error(f"internal belongs to gears, found type = {self.type!r}")
         if self.type != "linear" and len(self.joints) != 2:

@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from ..errors import ModelError
-from ..schema.entry import Entry, FieldSpec, entry
+from ..schema.entry import Entry, entry
 from ..schema.forms import Family
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import NotNegative, Positive
 
 FRICTION_COEFFICIENTS = Family("coefficient of friction")
@@ -16,7 +15,17 @@ FRICTION_COEFFICIENTS = Family("coefficient of friction")
 @FRICTION_COEFFICIENTS.bare_number
 @entry(eq=True)
 class Coulomb(Entry):
-    """A coefficient of friction that is the same at rest and in motion."""
+    """A coefficient of friction that is the same at rest and in motion.
+
+    Parameters
+    ----------
+    sliding : float
+
+    Examples
+    --------
+    >>> Coulomb(0.3).sliding
+    0.3
+    """
 
     sliding: NotNegative
 
@@ -32,7 +41,20 @@ class Coulomb(Entry):
 @FRICTION_COEFFICIENTS.in_files("static")
 @entry(eq=True)
 class Stribeck(Entry):
-    """mu = sliding + (static - sliding) exp(-(v / speed)^2) at a speed of slip v [m/s]."""
+    """Friction that falls with the speed of slip v.
+
+        mu = sliding + (static - sliding) exp(-(v / speed)^2)
+
+    Parameters
+    ----------
+    static, sliding : float
+    speed : float [m/s]
+
+    Examples
+    --------
+    >>> Stribeck(static=0.4, sliding=0.3, speed=0.01).static
+    0.4
+    """
 
     static: NotNegative
     sliding: NotNegative
@@ -48,32 +70,38 @@ class Stribeck(Entry):
 FrictionCoefficient = Coulomb | Stribeck
 
 
-def _coefficient(value: Any) -> FrictionCoefficient:
-    if isinstance(value, FrictionCoefficient):
-        return value
-    try:
-        coefficient: FrictionCoefficient = read_member(FRICTION_COEFFICIENTS, value)
-    except ModelError as error:
-        raise ValueError from error
-    return coefficient
-
-
+_COEFFICIENTS = "a number of at least 0, or static, sliding and speed"
 AnyCoefficient = Annotated[
     FrictionCoefficient,
     FRICTION_COEFFICIENTS,
-    FieldSpec("a number of at least 0, or static, sliding and speed", _coefficient, Any),
+    member(FRICTION_COEFFICIENTS, _COEFFICIENTS, FrictionCoefficient),
 ]
 
 
 @entry(eq=True)
 class JointFriction(Entry):
-    """Friction in a revolute or prismatic joint, by its own forces.
+    """Friction in a revolute or prismatic joint, by the forces of the joint itself.
 
-    coefficient: mu of the normal force, which of a revolute joint is that across the axis plus that
-    along it, at `radius` [m] from the axis; width [m]: distance of two bearings, which carry
-    moments across the axis as pairs of forces, by default none; preload [N]: a normal force that is
-    always there; viscous [N m s/rad, N s/m]. What sticks is held by a spring, `stiffness` [N m/rad,
-    N/m] with `damping`, by default as stiff as the step resolves.
+    Parameters
+    ----------
+    coefficient : float, Coulomb or Stribeck
+        Of the normal force; that of a revolute joint is the force across the axis plus that along
+        it.
+    radius : float, optional [m]
+        Of a revolute joint: the distance from its axis at which friction acts.
+    width : float, optional [m]
+        Distance of two bearings, which carry moments across the axis as pairs of forces; by default
+        moments cause no friction.
+    preload : float [N]
+        A normal force that is always there.
+    viscous : float [N m s/rad, N s/m]
+    stiffness, damping : float, optional [N m/rad, N/m; N m s/rad, N s/m]
+        Of the spring that holds what sticks, by default as stiff as the step resolves.
+
+    Examples
+    --------
+    >>> JointFriction(0.1, radius=0.01, preload=5.0).preload
+    5.0
     """
 
     coefficient: AnyCoefficient = Coulomb(0.0)

@@ -10,7 +10,19 @@ from ..schema.values import NotNegative, Numbers, Positive
 
 @entry(eq=True)
 class ForceTable(Entry):
-    """Force [N, N m] over penetration [m, rad]: points from 0 on; straight beyond the last."""
+    """The force of a contact over its penetration, straight beyond the last point.
+
+    Parameters
+    ----------
+    penetration : (n,) [m, rad]
+        Ascending from 0.
+    force : (n,) [N, N m]
+
+    Examples
+    --------
+    >>> ForceTable([0.0, 1e-3, 2e-3], [0.0, 100.0, 400.0]).force[-1]
+    400.0
+    """
 
     penetration: Numbers
     force: Numbers
@@ -32,9 +44,24 @@ class ForceTable(Entry):
 class Impact(Entry):
     """The force of a contact or stop by its penetration d, and what an impact loses.
 
-    stiffness d^exponent, or `law`, a table; restitution, exact for two free bodies at the speed of
-    each impact, or damping [s/m, s/rad], by which the force is multiplied with 1 + damping d';
-    slow [m/s, rad/s]: slower impacts are damped as this one.
+    Parameters
+    ----------
+    stiffness : float, optional [N/m^exponent, N m/rad^exponent]
+    exponent : float, optional
+        The force is stiffness d^exponent.
+    law : ForceTable, optional
+        The force instead of both.
+    restitution : float
+        Exact for two free bodies at the speed of each impact.
+    damping : float [s/m, s/rad]
+        Instead of restitution: the force is multiplied by 1 + damping d'.
+    slow : float [m/s, rad/s]
+        Slower impacts are damped as one of this speed.
+
+    Examples
+    --------
+    >>> Impact(stiffness=1e6, restitution=0.5).slow
+    0.01
     """
 
     stiffness: Positive | None = None
@@ -53,7 +80,7 @@ class Impact(Entry):
         if self.damping > 0.0 and self.restitution < 1.0:
             raise self.error("expected restitution or damping, got both")
         if self.exponent is not None and self.stiffness is None:
-            raise self.error("exponent: belongs to a stiffness, got none")
+            raise self.error("exponent: expected with stiffness, found no stiffness")
         # Below 1 the stiffness at first touch is infinite.
         if self.exponent is not None and self.exponent < 1.0:
             raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")

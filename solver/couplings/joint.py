@@ -57,12 +57,26 @@ SPAN_A_PLANE = 0.9
 class Joint(Entry, Coupling, metaclass=ByType):
     """A joint between two frames.
 
-    frame_a, frame_b: "BODY.FRAME", "BODY" (its center of mass), or "ground" (where the other frame
-    starts). start: values of free coordinates or their rates at t = 0 other than those of the
-    starts of the bodies: angle, angle_rate, distance, ...; and of a coordinate that is driven by
-    its acceleration its rate. reference_coordinates [rad, m]: the values of coordinates where the
-    bodies are placed, from which they are measured; by default an angle is 0 there, and a driven
-    one at its start. Their former name is `drawn`.
+    Parameters
+    ----------
+    frame_a, frame_b : str
+        "BODY.FRAME", "BODY" (its center of mass), or "ground" (where the other frame starts).
+    name : str
+        By default its type and number, as "revolute 2".
+    start : mapping of float [rad, m, rad/s, m/s]
+        Free coordinates or their rates at t = 0, other than those of the starts of the bodies:
+        angle, angle_rate, distance, ...; of a coordinate that is driven by its acceleration the
+        rate alone.
+    reference_coordinates : mapping of float [rad, m]
+        Coordinates where the bodies are placed, from which they are measured. By default an angle
+        is 0 there, and a driven one at its start. The former name is `drawn`.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Revolute
+    >>> hinge = Revolute("ground", "arm.pin", axis=[0.0, 1.0, 0.0], start={"angle": 0.1})
+    >>> hinge.type, hinge.coordinates
+    ('revolute', ('angle',))
     """
 
     label = "joint {name!r}"

@@ -40,7 +40,13 @@ JOINTS = Kinds()
 @JOINTS.in_files("fixed")
 @entry()
 class Fixed(Joint):
-    """A joint that fixes two frames to each other."""
+    """A joint that fixes two frames to each other. Parameters: see `Joint`.
+
+    Examples
+    --------
+    >>> Fixed("hub.rim", "beam.root").coordinates
+    ()
+    """
 
     translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = NO_ROTATION
@@ -49,10 +55,17 @@ class Fixed(Joint):
 @JOINTS.in_files("spherical")
 @entry(kw_only=True)
 class Spherical(Joint):
-    """A ball joint: the origins of both frames coincide.
+    """A ball joint: the origins of both frames coincide. Other parameters: see `Joint`.
 
-    It may follow three signals, its `rotation_vector` [rad] or its `cardan_angles` [rad]
-    (solver/signals/attitude.py).
+    Parameters
+    ----------
+    rotation_vector, cardan_angles : sequence of 3 signals, optional [rad]
+        One of them drives the orientation (solver/signals/attitude.py).
+
+    Examples
+    --------
+    >>> Spherical("ground", "bob.pin").translations
+    (0, 1, 2)
     """
 
     translations: ClassVar = ALL_TRANSLATIONS
@@ -75,7 +88,9 @@ class Spherical(Joint):
         super().validate()
         for key in ("rotation_vector", "cardan_angles"):
             if any(is_any(signal, Input) for signal in getattr(self, key) or ()):
-                raise self.error(f"{key}: takes no input of a Simulator: prescribe it beforehand")
+                raise self.error(
+                    f"{key}: expected a signal known before the run, got an input of a Simulator"
+                )
         if self.rotation_vector is not None and self.cardan_angles is not None:
             raise self.error("a spherical joint follows rotation_vector or cardan_angles, got both")
 
@@ -102,7 +117,23 @@ class Spherical(Joint):
 @JOINTS.in_files("revolute")
 @entry()
 class Revolute(HasFriction, DrivesAngle, JointWithAxis):
-    """A hinge about `axis` (3,), in space at the start; its coordinate is `angle` [rad]."""
+    """A hinge, whose coordinate is `angle` [rad]. Other parameters: see `Joint`.
+
+    Parameters
+    ----------
+    axis : (3,)
+        In space at the start.
+    angle, angular_velocity, angular_acceleration : signal, optional [rad, rad/s, rad/s^2]
+        One of them drives the hinge.
+    friction : JointFriction, optional
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant
+    >>> motor = Revolute("ground", "hub", axis=[0.0, 0.0, 1.0], angular_velocity=Constant(5.0))
+    >>> motor.is_driven
+    True
+    """
 
     translations: ClassVar = ALL_TRANSLATIONS
     rotations: ClassVar = ABOUT_E3
@@ -124,11 +155,22 @@ class Revolute(HasFriction, DrivesAngle, JointWithAxis):
 @JOINTS.in_files("universal")
 @entry()
 class Universal(DrivesAngle, JointWithAxis):
-    """A cross of two axes, perpendicular at the start.
+    """A cross of two axes, perpendicular at the start. Other parameters: see `Joint`.
 
-    axis (3,): fixed in the first frame; second_axis (3,): fixed in the second; both in space at the
-    start. Coordinates: `angle` about the first, `second_angle` [rad] about the second, of which
-    each may follow a signal.
+    Its coordinates are `angle` [rad] about the first axis and `second_angle` about the second.
+
+    Parameters
+    ----------
+    axis, second_axis : (3,)
+        Fixed in the first and in the second frame; in space at the start.
+    angle, angular_velocity, angular_acceleration : signal, optional [rad, rad/s, rad/s^2]
+        One of them drives the first angle.
+    second_angle : signal, optional [rad]
+
+    Examples
+    --------
+    >>> Universal("a", "b", axis=[1.0, 0.0, 0.0], second_axis=[0.0, 1.0, 0.0]).coordinates
+    ('angle', 'second_angle')
     """
 
     translations: ClassVar = ALL_TRANSLATIONS
@@ -170,9 +212,23 @@ class Universal(DrivesAngle, JointWithAxis):
 @JOINTS.in_files("cylindrical")
 @entry()
 class Cylindrical(DrivesAngle, DrivesDistance, JointWithAxis):
-    """A joint that turns about `axis` (3,), in space at the start, and slides along it.
+    """A joint that turns about an axis, and slides along it. Other parameters: see `Joint`.
 
-    Coordinates: `angle` [rad] and `distance` [m].
+    Its coordinates are `distance` [m] and `angle` [rad].
+
+    Parameters
+    ----------
+    axis : (3,)
+        In space at the start.
+    distance, velocity, acceleration : signal, optional [m, m/s, m/s^2]
+        One of them drives the distance.
+    angle, angular_velocity, angular_acceleration : signal, optional [rad, rad/s, rad/s^2]
+        One of them drives the angle.
+
+    Examples
+    --------
+    >>> Cylindrical("ground", "piston", axis=[0.0, 0.0, 1.0]).coordinates
+    ('distance', 'angle')
     """
 
     translations: ClassVar = (0, 1)
@@ -185,7 +241,21 @@ class Cylindrical(DrivesAngle, DrivesDistance, JointWithAxis):
 @JOINTS.in_files("prismatic")
 @entry()
 class Prismatic(HasFriction, DrivesDistance, JointWithAxis):
-    """A slide along `axis` (3,), in space at the start; its coordinate is `distance` [m]."""
+    """A slide, whose coordinate is `distance` [m]. Other parameters: see `Joint`.
+
+    Parameters
+    ----------
+    axis : (3,)
+        In space at the start.
+    distance, velocity, acceleration : signal, optional [m, m/s, m/s^2]
+        One of them drives the slide.
+    friction : JointFriction, optional
+
+    Examples
+    --------
+    >>> Prismatic("ground", "slider", axis=[1.0, 0.0, 0.0]).coordinates
+    ('distance',)
+    """
 
     translations: ClassVar = (0, 1)
     rotations: ClassVar = NO_ROTATION
@@ -203,11 +273,21 @@ class Prismatic(HasFriction, DrivesDistance, JointWithAxis):
 @JOINTS.in_files("planar")
 @entry()
 class Planar(JointWithAxis):
-    """A joint that slides on a plane, whose normal is `axis` (3,), in space at the start.
+    """A joint that slides on a plane. Other parameters: see `Joint`.
 
     Coordinates: `angle` [rad] about the normal; `distance` [m] along the x axis of the first frame,
     projected on the plane (its y axis where x is within 26 degrees of the normal), and
     `second_distance` [m] across it.
+
+    Parameters
+    ----------
+    axis : (3,)
+        The normal of the plane, in space at the start.
+
+    Examples
+    --------
+    >>> Planar("ground", "puck", axis=[0.0, 0.0, 1.0]).coordinates
+    ('distance', 'second_distance', 'angle')
     """
 
     translations: ClassVar = (2,)
@@ -219,9 +299,17 @@ class Planar(JointWithAxis):
 @JOINTS.in_files("rod")
 @entry()
 class Rod(DrivesDistance):
-    """A weightless bar between the origins of two frames: |r_B - r_A| is that of the start.
+    """A weightless bar between the origins of two frames. Other parameters: see `Joint`.
 
-    Or it follows the signal `distance`.
+    Parameters
+    ----------
+    distance, velocity, acceleration : signal, optional [m, m/s, m/s^2]
+        One of them drives the length, which is otherwise that of the start.
+
+    Examples
+    --------
+    >>> Rod("ground", "bob").is_driven
+    False
     """
 
     side_dependent: ClassVar[bool] = True
@@ -242,9 +330,22 @@ class Rod(DrivesDistance):
 @JOINTS.in_files("screw")
 @entry()
 class Screw(DrivesAngle, DrivesDistance, JointWithAxis):
-    """A nut on a screw about `axis` (3,), in space at the start: distance = lead angle / 2 pi.
+    """A nut on a screw: distance = lead angle / 2 pi. Other parameters: see `Joint`.
 
-    lead [m]: its way in a full turn, negative where it is left-handed.
+    Parameters
+    ----------
+    axis : (3,)
+        In space at the start.
+    lead : float [m]
+        The advance in a full turn, negative for a left-handed thread.
+    distance, velocity, acceleration : signal, optional [m, m/s, m/s^2]
+    angle, angular_velocity, angular_acceleration : signal, optional [rad, rad/s, rad/s^2]
+        One of the six drives the screw.
+
+    Examples
+    --------
+    >>> Screw("ground", "nut", axis=[1.0, 0.0, 0.0], lead=2e-3).lead
+    0.002
     """
 
     translations: ClassVar = (0, 1)
@@ -277,8 +378,20 @@ class ConstantVelocity(JointWithAxis):
 
         e_1(A) . e_2(B) - e_2(A) . e_1(B) = 0
 
-    whereby B is turned against A about an axis across both shafts, e3(A) and e3(B). axis (3,): the
-    shaft of the first frame, and of the second unless second_axis says so; in space at the start.
+    B turns against A about an axis across both shafts, e3(A) and e3(B). Other parameters: see
+    `Joint`.
+
+    Parameters
+    ----------
+    axis : (3,)
+        The shaft of the first frame, in space at the start.
+    second_axis : (3,), optional
+        The shaft of the second frame, by default the same.
+
+    Examples
+    --------
+    >>> ConstantVelocity("gearbox", "wheel", axis=[0.0, 1.0, 0.0]).coordinates
+    ()
     """
 
     translations: ClassVar = ALL_TRANSLATIONS
@@ -311,9 +424,21 @@ class ConstantVelocity(JointWithAxis):
 @JOINTS.in_files("point_on_line")
 @entry()
 class PointOnLine(DrivesDistance, SideDependent, JointWithAxis):
-    """The origin of the second frame stays on a line through the first, which carries it.
+    """The origin of the second frame stays on a line that the first carries.
 
-    axis (3,): along the line, in space at the start. Its coordinate is `distance` [m].
+    The coordinate is `distance` [m] along the line. Other parameters: see `Joint`.
+
+    Parameters
+    ----------
+    axis : (3,)
+        Along the line, which is through the first frame; in space at the start.
+    distance, velocity, acceleration : signal, optional [m, m/s, m/s^2]
+        One of them drives the distance.
+
+    Examples
+    --------
+    >>> PointOnLine("rail", "bead", axis=[1.0, 0.0, 0.0]).coordinates
+    ('distance',)
     """
 
     translations: ClassVar = (0, 1)
@@ -323,10 +448,20 @@ class PointOnLine(DrivesDistance, SideDependent, JointWithAxis):
 @JOINTS.in_files("point_on_plane")
 @entry()
 class PointOnPlane(SideDependent, JointWithAxis):
-    """The origin of the second frame stays on a plane through the first, which carries it.
+    """The origin of the second frame stays on a plane that the first carries.
 
-    axis (3,): the normal, in space at the start. Coordinates: `distance` and `second_distance` [m],
-    as of a planar joint.
+    The coordinates are `distance` and `second_distance` [m], as of `Planar`. Other parameters: see
+    `Joint`.
+
+    Parameters
+    ----------
+    axis : (3,)
+        The normal of the plane, which is through the first frame; in space at the start.
+
+    Examples
+    --------
+    >>> PointOnPlane("table", "foot", axis=[0.0, 0.0, 1.0]).coordinates
+    ('distance', 'second_distance')
     """
 
     translations: ClassVar = (2,)

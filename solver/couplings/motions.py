@@ -79,9 +79,26 @@ class PrescribedDisplacement(PrescribedMotion):
 
         direction . (r(t) - r(0)) = displacement(t) [m],    displacement(0) = 0
 
-    for the origin r of the frame `on`. One constraint: the frame moves freely across `direction`
-    (3,), in space. Three of them make up a path. Instead of the displacement its `velocity` or its
-    `acceleration` may be given; start: {"displacement_rate": ...} with the latter.
+    for the origin r of the frame `on`. One constraint: the frame moves freely across `direction`.
+    Three of them prescribe a path.
+
+    Parameters
+    ----------
+    name : str
+    on : str
+        The frame, see `Joint`.
+    direction : (3,)
+        In space.
+    displacement, velocity, acceleration : signal [m, m/s, m/s^2]
+        One of the three.
+    start : mapping of float
+        {"displacement_rate": ...} [m/s] with an acceleration.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Harmonic
+    >>> PrescribedDisplacement("x", "base", [1, 0, 0], acceleration=Harmonic(9.81, 20.0)).on
+    'base'
     """
 
     keys: ClassVar[DriveKeys] = DriveKeys("displacement", *LINEAR_RATES)
@@ -121,9 +138,25 @@ class PrescribedRotation(PrescribedMotion):
         D(t) = exp(angle(t) axis~) D(0),    angle(0) = 0 [rad]
 
     for the axes D of the frame `on`, in space. Three constraints: the whole orientation is
-    prescribed, and `axis` (3,), in space, keeps its direction. Instead of the angle its
-    `angular_velocity` or its `angular_acceleration` may be given; start: {"angle_rate": ...} with
-    the latter.
+    prescribed, and the axis keeps its direction.
+
+    Parameters
+    ----------
+    name : str
+    on : str
+        The frame, see `Joint`.
+    axis : (3,)
+        In space.
+    angle, angular_velocity, angular_acceleration : signal [rad, rad/s, rad/s^2]
+        One of the three.
+    start : mapping of float
+        {"angle_rate": ...} [rad/s] with an acceleration.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant
+    >>> PrescribedRotation("table", "disk", [0, 0, 1], angular_velocity=Constant(2.0)).on
+    'disk'
     """
 
     keys: ClassVar[DriveKeys] = DriveKeys("angle", *ANGULAR_RATES)
@@ -173,9 +206,23 @@ class PrescribedOrientation(PrescribedMotion):
 
         D(t) = R_z(angles[2]) R_y(angles[1]) R_x(angles[0]) D(0),    angles(0) = 0 [rad]
 
-    for the axes D of the frame `on`. Three constraints. Instead of the three angles their rates,
-    `angular_velocities`, or those of the rates, `angular_accelerations`, may be given; for small
-    angles they are those of the frame about x, y and z.
+    for the axes D of the frame `on`. Three constraints. For small angles the rates are those of the
+    frame about x, y and z.
+
+    Parameters
+    ----------
+    name : str
+    on : str
+        The frame, see `Joint`.
+    angles, angular_velocities, angular_accelerations : sequence of 3 signals
+        One of the three: the angles [rad], their rates or the rates of those.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant, Harmonic
+    >>> still = Constant(0.0)
+    >>> PrescribedOrientation("deck", "ship", [Harmonic(0.1, 0.2), still, still]).on
+    'ship'
     """
 
     keys: ClassVar[DriveKeys] = DriveKeys("angles", "angular_velocities", "angular_accelerations")

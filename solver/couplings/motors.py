@@ -50,20 +50,38 @@ class Motor(Entry):
 
         v = torque + stiffness (r - c) + damping (r' - c') + z,     z' = integral (r - c)
 
-    The motor gives v, within its limits.
-
-    coordinate: one that the joint leaves free; torque [N m] of an angle, or force [N] of a
-    distance: a signal, by default none. reference: r [rad, m], by default 0; reference_rate: r', by
-    default the derivative of r where it is smooth, or else 0. Gains: stiffness [N m/rad, N/m],
-    damping [N m s/rad, N s/m], integral [N m/(rad s), N/(m s)].
-
-    limit [N m, N]: of what the motor gives, a number for both directions, or a lower and a higher
-    one. speed [rad/s, m/s]: that without load, towards which the limit of what drives the motion
-    falls to zero, as a line. Beyond a limit the integral follows it, so that it does not wind up:
+    The motor gives v, within its limits. Beyond a limit the integral follows it, so that it does
+    not wind up:
 
         z' = integral (r - c) + (limit - v) / tracking_time
 
-    tracking_time [s]: by default sqrt(damping / integral), or stiffness / integral without damping.
+    Parameters
+    ----------
+    name : str
+    joint : str
+    coordinate : str
+        One that the joint leaves free.
+    torque, force : signal, optional
+        Torque [N m] on an angle, force [N] on a distance.
+    reference : signal, optional [rad, m]
+        r, by default 0.
+    reference_rate : signal, optional [rad/s, m/s]
+        r', by default the derivative of r where it is smooth, or else 0.
+    stiffness, damping, integral : float
+        Gains [N m/rad, N/m], [N m s/rad, N s/m], [N m/(rad s), N/(m s)].
+    limit : float or (2,), optional [N m, N]
+        Of v: for both directions, or a lower and a higher one.
+    speed : float, optional [rad/s, m/s]
+        Without load; towards it the limit of a v that drives the motion falls linearly to zero.
+    tracking_time : float, optional [s]
+        By default sqrt(damping / integral), or stiffness / integral without damping.
+
+    Examples
+    --------
+    >>> from duhamel.solver import SmoothStep
+    >>> turn = SmoothStep((0.0, 1.0), over=(0.0, 0.5))
+    >>> Motor("servo", "hinge", "angle", reference=turn, stiffness=50.0, damping=2.0).coordinate
+    'angle'
     """
 
     label = "motor {name!r}"
@@ -130,7 +148,7 @@ class Motor(Entry):
         if self.damping == 0.0:
             raise self.error("reference_rate: needs damping, found none")
         if self.reference is None and (self.stiffness > 0.0 or self.integral > 0.0):
-            raise self.error("reference_rate: needs the reference that it is the rate of")
+            raise self.error("reference_rate: needs reference, found none")
 
     def _check_limit(self) -> None:
         if self.speed is not None:
@@ -145,7 +163,7 @@ class Motor(Entry):
             raise self.error("tracking_time: needs integral and limit")
         alone = self.stiffness == 0.0 and self.damping == 0.0
         if winds_up and alone and self.tracking_time is None:
-            raise self.error("tracking_time: integral alone, with a limit, needs one")
+            raise self.error("tracking_time: required with a limit and integral alone")
 
 
 @dataclass(frozen=True)
@@ -153,9 +171,6 @@ class Values(Pointwise):
     """A smooth signal, sampled by its values at the steps, as drives are."""
 
     signal: Any
-
-    def __call__(self, t: float) -> float:
-        return float(self.signal(t))
 
     def values_at(self, t: Array) -> Array:
         return values_of(self.signal, t)
@@ -166,9 +181,6 @@ class Rate(Pointwise):
     """The derivative of a smooth signal."""
 
     signal: Any
-
-    def __call__(self, t: float) -> float:
-        return float(self.signal.derivatives(t)[0])
 
     def values_at(self, t: Array) -> Array:
         return derivatives_of(self.signal, t)[0]

@@ -70,17 +70,32 @@ SPRING_TYPES = {
 
 @entry()
 class Spring(Entry, Coupling):
-    """A spring with a damper between frames A and B, given as in a joint.
+    """A spring with a damper between two frames.
 
-    stiffness, damping: a number, or for a bushing six numbers or a symmetric (6, 6) matrix
-    [N/m, N m/rad; N s/m ...]; damping, which dissipates energy, has no negative eigenvalue;
-    law: a `ForceLaw` that adds to them, or several; of a bushing one or several for some of its
-    axes, "x", "y", "z", "rx", "ry", "rz" (along and about e_1, e_2, e_3); rest: the coordinates
-    without force (length, angle, or six of them), by default those of the start; axis: of
-    torsion, or e_3 of a bushing, in space at the start; second_axis: e_1 of a bushing, across
-    it. Without axes e_1, e_2, e_3 of a bushing are those of its first frame; without a second
-    one e_1 is nearest to the x axis of that frame (to its y axis where x is within 26 degrees
-    of e_3).
+    Parameters
+    ----------
+    name : str
+    type : {"point", "torsion", "bushing"}
+        On the distance of the origins, on an angle, or on three displacements and three rotations.
+    between : (2,) of str
+        Frames A and B, see `Joint`.
+    axis : (3,), optional
+        Of torsion, or e_3 of a bushing, in space at the start.
+    stiffness, damping : float, (6,) or symmetric (6, 6) [N/m, N m/rad; N s/m, N m s/rad]
+        Six numbers or a matrix for a bushing. Damping has no negative eigenvalue: it dissipates.
+    law : ForceLaw, several, or a mapping of them, optional
+        Added to both; of a bushing by axes "x", "y", "z", "rx", "ry", "rz" (along and about e_1,
+        e_2, e_3).
+    rest : float or (6,), optional [m, rad]
+        The coordinates without force, by default those of the start.
+    second_axis : (3,), optional
+        e_1 of a bushing, across `axis`. By default nearest to the x axis of frame A (to its y axis
+        where x is within 26 degrees of e_3). Without both axes a bushing has those of frame A.
+
+    Examples
+    --------
+    >>> Spring("coil", "point", ["ground", "box"], stiffness=2e4, damping=50.0, rest=0.3).n_rows
+    1
     """
 
     label = "spring {name!r}"
@@ -201,7 +216,7 @@ class Spring(Entry, Coupling):
     def _check_second_axis(self) -> None:
         if self.second_axis is None:
             return
-        takes = "one beside axis" if self.kind.axis == "optional" else "none"
+        takes = "one only with axis" if self.kind.axis == "optional" else "none"
         if self.axis is None or takes == "none":
             got = plain(self.second_axis)
             raise self.error(f"second_axis: a {self.type} spring takes {takes}, got {got}")

@@ -16,8 +16,22 @@ from .rows import Row, Sides
 class Stop(Entry):
     """Limits of a joint coordinate, with the force of a contact beyond them.
 
-    coordinate: one that the joint leaves free, or drives; range [m, rad]: its free play, of which
-    one end may be infinite. The gaps of play and backlash are such ranges.
+    Parameters
+    ----------
+    name : str
+    joint : str
+    coordinate : str
+        One that the joint leaves free, or drives.
+    range : (2,) [m, rad]
+        The free play, of which one end may be infinite. Backlash is such a range.
+    impact : Impact
+        The force by the penetration. Model files have its keys beside those of the stop.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Impact
+    >>> Stop("bumper", "hinge", "angle", range=(-0.5, 0.5), impact=Impact(stiffness=1e4)).range
+    (-0.5, 0.5)
     """
 
     label = "stop {name!r}"

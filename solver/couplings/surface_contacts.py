@@ -25,9 +25,9 @@ from .carried_shape import SHAPE_TYPES, CarriedShape
 from .coupling import GROUND
 from .rigid_facets import read_facets
 
-GEOMETRIES = "smooth", "flat"
+TARGET_GEOMETRIES = "smooth", "flat"
 """how facets of targets are read: with arcs between their corners, or as they are"""
-SHAPE_KEYS = "axis", "radius", "hollow", "length", "points"
+KEYS_OF_SHAPE = "axis", "radius", "hollow", "length", "points"
 """keys that belong to a shape"""
 
 
@@ -44,14 +44,41 @@ class ShapeInFrame(NamedTuple):
 class SurfaceContact(CarriedShape, Entry):
     """A surface of a flexible body against a shape, rigid facets, or another flexible surface.
 
-    surfaces: the surface that has the rows, "BODY.SURFACE", the finer one or the softer body; and
-    what it meets, "BODY.SURFACE", or the frame that carries a shape or facets, "BODY.FRAME" or
-    "ground". shape, axis, radius, hollow, length, points: as of contacts of balls. facets: a file
-    of triangles in the axes of the frame [m], as "wall.stl", which act on the side of their
-    normals; hollow: from within a closed surface. geometry: how the facets of the second
-    surface are read, "smooth", as arcs between their corners, or "flat". layer [N/m^3]: stiffness
-    per area of a layer between the surfaces, for flat against flat. margin [m]: nodes that are
-    nearer are candidates of contact in a step, by default within twice their motion in it.
+    Parameters
+    ----------
+    name : str
+    surfaces : (2,) of str
+        The surface that has the rows, "BODY.SURFACE", the finer one or the softer body; and what it
+        meets, "BODY.SURFACE", or the frame that carries a shape or facets, "BODY.FRAME" or
+        "ground".
+    shape : {"plane", "sphere", "cylinder", "profile"}, optional
+    axis : (3,), optional
+        The normal of a plane, towards the surface, or the axis of a cylinder; in space at the
+        start.
+    radius : float, optional [m]
+        Of a sphere or cylinder about the frame.
+    hollow : bool
+        The surface is inside of the shape, or of closed facets.
+    length : float, optional [m]
+        Of a cylinder, half to each side of its frame; beyond it there is no contact.
+    points : (n, 2), optional [m]
+        Of a profile, as of a `Contact`.
+    facets : path, optional
+        A file of triangles in the axes of the frame [m], as "wall.stl". They act on the side of
+        their normals.
+    geometry : {"smooth", "flat"}
+        How the facets of the second surface are read: as arcs between their corners, or flat.
+    layer : float, optional [N/m^3]
+        Stiffness per area of a layer between the surfaces, for flat against flat.
+    margin : float, optional [m]
+        Nodes that are nearer are candidates of contact in a step, by default within twice their
+        motion in it.
+
+    Examples
+    --------
+    >>> up = [0.0, 0.0, 1.0]
+    >>> SurfaceContact("floor", ["ball.cap", "ground"], "plane", axis=up).meets_surface
+    False
     """
 
     label = "contact {name!r}"
@@ -66,7 +93,7 @@ class SurfaceContact(CarriedShape, Entry):
     length: Positive | None = None
     points: OptionalPoints = NO_ARRAY
     facets: FilePath | None = None
-    geometry: Annotated[str, one_of(GEOMETRIES)] = "smooth"
+    geometry: Annotated[str, one_of(TARGET_GEOMETRIES)] = "smooth"
     layer: Positive | None = None
     margin: Positive | None = None
 
@@ -79,8 +106,8 @@ class SurfaceContact(CarriedShape, Entry):
             raise self.error("expected one of shape and facets, found both")
         if self.shape is not None:
             self.check_shape()
-        elif odd := [key for key in SHAPE_KEYS if self._has(key) and not self._turns(key)]:
-            raise self.error(f"{odd[0]}: belongs to a shape, found none")
+        elif given_keys := [key for key in KEYS_OF_SHAPE if self._has(key)]:
+            raise self.error(f"{given_keys[0]}: expected with shape, found no shape")
         if self.meets_surface:
             if not self.target[1]:
                 raise self.error(
@@ -96,13 +123,11 @@ class SurfaceContact(CarriedShape, Entry):
         if self.facets is not None:
             _ = self.rigid_surface  # errors of the file come before a run
 
-    def _turns(self, key: str) -> bool:
-        """Whether a key of shapes turns facets inside out."""
-        return key == "hollow" and self.facets is not None
-
     def _has(self, key: str) -> bool:
         value = getattr(self, key)
-        return value is not None and value is not False
+        # closed facets may be hollow too
+        is_of_facets = key == "hollow" and self.facets is not None
+        return value is not None and value is not False and not is_of_facets
 
     @cached_property
     def rigid_surface(self) -> Surface:

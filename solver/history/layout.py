@@ -291,8 +291,8 @@ def _check_memory(name: str, n_c: int, lags: int) -> None:
     """`ModelError` for impulse responses, and loads in the past, that memory cannot hold."""
     if lacking := shortage(8.0 * lags * (2 * KERNEL_COPIES * n_c * n_c + n_c)):
         raise ModelError(
-            f"body {name!r}: its history of {lags} steps {lacking}: a shorter t_end, a longer step "
-            "or `memory`, or history = 'recursive', takes less"
+            f"body {name!r}: its history of {lags} steps {lacking}: shorten t_end or "
+            "`memory`, lengthen the step, or set history = 'recursive'"
         )
 
 
@@ -397,8 +397,8 @@ def _by_kernel(element: Superelement, stepping: Stepping, lags: int, by_fft: boo
     if error > LARGEST_TRUNCATION:
         raise ModelError(
             f"superelement {element.name!r}: memory: its impulse responses have not decayed "
-            f"in {(lags - 1) * stepping.h:.3g} s: cut off there they would err by {error:.1g} of "
-            f"static displacements, more than {LARGEST_TRUNCATION:g}"
+            f"in {(lags - 1) * stepping.h:.3g} s: truncation there causes an error of {error:.1g} "
+            f"of the static displacements, more than {LARGEST_TRUNCATION:g}"
         )
     g, g_initial = kernel.g[:lags], kernel.g_initial[:lags]
     return _History(

@@ -20,7 +20,7 @@ from ..arrays import Array, Index
 
 BAND_TIMES_STEP = 1.0
 """theta: the highest circular frequency of a moving mode, times the step"""
-NEGLIGIBLE_SHARE = 1e-9
+LEAST_MODE_SHARE = 1e-9
 """share of a mode that is left out"""
 
 
@@ -58,5 +58,5 @@ def shares_of(element: Superelement, h: float) -> Shares:
     quasi_static = np.repeat([False, True], len(omega))
     # Sorted by mode, so that the frequencies of a body ascend.
     order = np.argsort(source, kind="stable")
-    order = order[share[order] > NEGLIGIBLE_SHARE]
+    order = order[share[order] > LEAST_MODE_SHARE]
     return Shares(source[order], np.sqrt(share[order]), quasi_static[order])

@@ -31,18 +31,40 @@ Beta = Annotated[
 
 @force_law("yield_deformation")
 class BoucWenLaw(ForceLaw):
-    """f = post_yield k c + (1 - post_yield) k D z,  D z' = c' (1 - |z|^n (gamma + beta sgn(c' z))).
+    """Hysteresis of Bouc and Wen: a spring that yields, without a corner.
 
-    yield_deformation: D [m, rad]; stiffness: k, that of small deformations [N/m, N m/rad];
-    post_yield: the part of it that is left when all has yielded, 0 to 1; exponent: n, 1 (round) or
-    more (towards a corner); beta: 0.5 where unloading is elastic, more for slimmer loops; gamma is
-    1 - beta, and A of the literature 1, for other values are those of other k and D. The virgin
-    state has z = 0, and |z| < 1. Stored: post_yield k c^2 / 2 + (1 - post_yield) k D^2 z^2 / 2; the
-    rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over time, is
-    dissipated, and never negative as |gamma| <= beta.
+        f = post_yield k c + (1 - post_yield) k D z
+        D z' = c' (1 - |z|^n (gamma + beta sgn(c' z)))
 
-    Sources: Y. K. Wen, J. Eng. Mech. Div. ASCE 102 (1976); F. Ma et al., J. Appl. Mech. 71 (2004)
-    (redundant parameters); S. Erlicher, N. Point, C. R. Mecanique 332 (2004) (energy).
+    The virgin state has z = 0, and |z| < 1. Stored: post_yield k c^2 / 2 + (1 - post_yield) k D^2
+    z^2 / 2. The rest of the work, (1 - post_yield) k D |c'| |z|^(n+1) (beta + gamma sgn(c' z)) over
+    time, is dissipated, and never negative as |gamma| <= beta.
+
+    Parameters
+    ----------
+    yield_deformation : float [m, rad]
+        D.
+    stiffness : float [N/m, N m/rad]
+        k, that of small deformations.
+    post_yield : float
+        The part of k that is left when all has yielded, 0 to 1.
+    exponent : float
+        n: 1 (round) or more (towards a corner).
+    beta : float
+        0.5 where unloading is elastic, more for slimmer loops. gamma is 1 - beta; A of the
+        literature is 1, for other values are those of other k and D.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Spring
+    >>> law = BoucWenLaw(1e-3, stiffness=2e5, post_yield=0.1)
+    >>> Spring("isolator", "point", ["ground", "box"], law=law).law.exponent
+    1.0
+
+    References
+    ----------
+    Y. K. Wen, J. Eng. Mech. Div. ASCE 102 (1976); F. Ma et al., J. Appl. Mech. 71 (2004) (redundant
+    parameters); S. Erlicher, N. Point, C. R. Mecanique 332 (2004) (energy).
     """
 
     yield_deformation: Positive
@@ -119,6 +141,7 @@ def _unloading(n: float, kappa: float, end: float, start: float) -> float:
     """The change that takes |w| from start to end: integral of 1 / (1 + kappa u^n)."""
     if kappa == 0.0:
         return start - end
+    # The integral is elementary only here, and for the exponent that most users take.
     if n == 1.0:
         return math.log((1.0 + kappa * start) / (1.0 + kappa * end)) / kappa
     total = 0.0
@@ -133,6 +156,7 @@ def _load(n: float, w: float, change: float) -> float:
     """w >= 0 after a change: in t = -log(1 - w), whose derivative is between 1 and n."""
     if w >= 1.0:
         return w
+    # In t the approach to w = 1 is nearly a straight line, which steps follow without overshooting.
     t = -math.log(1.0 - w)
     while n != 1.0 and change > 0.0 and t < SATURATION_LIMIT:
         step = min(change, 1.0 / (STEPS_PER_YIELD * n))

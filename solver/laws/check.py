@@ -18,12 +18,24 @@ FORCE_ROUNDING = 1e-14
 def check_law(
     law: ForceLaw, deformations: Sequence[float], rates: Sequence[float] = (0.0,), h: float = 1e-3
 ) -> None:
-    """Compare a law with central differences at some deformations and rates, a time h after the
-    start.
+    """Compare a law with central differences, at some deformations and rates.
 
-    ModelError for derivatives that are not those of the force, for a law without memory whose
-    stored energy is not the work of its force at rest, and for one that says something else after
-    it has remembered. A law is checked where it is smooth: leave its kinks out.
+    A law is checked where it is smooth: leave its kinks out.
+
+    Parameters
+    ----------
+    law : ForceLaw
+    deformations : sequence of float [m, rad]
+    rates : sequence of float [m/s, rad/s]
+    h : float [s]
+        The time after the start.
+
+    Raises
+    ------
+    ModelError
+        For derivatives that are not those of the force, for a law without memory whose stored
+        energy is not the work of its force at rest, and for one that gives another force after it
+        has remembered. See `UserLaw` for an example.
     """
     largest = max(map(abs, deformations), default=0.0)
     for c, rate in product(deformations, rates):

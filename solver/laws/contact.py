@@ -113,6 +113,7 @@ class ContactLaw(ForceLaw):
         d, _ = penetration(parameters, c)
         if d <= 0.0:
             approaches = rate > 0.0 if parameters[UPPER] < math.inf else rate < 0.0
+            # Between two limits either direction leads to one.
             both = parameters[LOWER] > -math.inf and parameters[UPPER] < math.inf
             memory[APPROACH_SPEED] = abs(rate) if approaches or both else 0.0
 
@@ -138,6 +139,7 @@ def _elastic(parameters: Array, d: float) -> tuple[float, float, float]:
     if len(parameters) > TABLE:
         return _tabulated(parameters, d)
     K, n = parameters[STIFFNESS], parameters[EXPONENT]
+    # The body deforms at its patch already: the law must not count that compliance twice.
     if parameters[PATCH] > 0.0:
         return _less_patch(K, n, parameters[PATCH], d)
     N = K * d**n
@@ -173,6 +175,7 @@ def _less_patch(K: float, n: float, C: float, d: float) -> tuple[float, float, f
         x -= change
         if abs(change) <= PATCH_PRECISION * x:
             break
+    # x is the indentation of a half-space, of which the patch has taken a part.
     N = K * x**n
     compliance = 1.0 / (K * n * x ** (n - 1.0)) - C
     energy = N * x / (n + 1.0) - 0.5 * C * N * N

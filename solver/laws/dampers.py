@@ -18,8 +18,15 @@ NEGLIGIBLE_FORCE_AT_REST = 1e-9
 class DamperLaw(ForceLaw):
     """A damper with one coefficient in compression and another in rebound.
 
-    The force is compression dc/dt where the deformation falls, rebound dc/dt where it rises
-    [N s/m, N m s/rad].
+    Parameters
+    ----------
+    compression, rebound : float [N s/m, N m s/rad]
+        Force per rate of deformation where the deformation falls, and where it rises.
+
+    Examples
+    --------
+    >>> DamperLaw(compression=200.0, rebound=800.0).rebound
+    800.0
     """
 
     compression: NotNegative
@@ -36,10 +43,20 @@ class DamperLaw(ForceLaw):
 
 @force_law("rate")
 class TabulatedDamperLaw(ForceLaw):
-    """Force [N] or moment [N m] over the rate of deformation [m/s, rad/s]: a damper's curve.
+    """Force over the rate of deformation: the curve of a damper.
 
     Linear between the points, and beyond the last ones. It must dissipate at every rate: the force
     has the sign of the rate, is zero at rest, and does not fall beyond the last points.
+
+    Parameters
+    ----------
+    rate : (n,) [m/s, rad/s]
+    force : (n,) [N, N m]
+
+    Examples
+    --------
+    >>> TabulatedDamperLaw([-1.0, 0.0, 0.2, 1.0], [-300.0, 0.0, 400.0, 900.0]).force[-1]
+    900.0
     """
 
     rate: Numbers
@@ -62,8 +79,8 @@ class TabulatedDamperLaw(ForceLaw):
                 )
         if self.force[1] < self.force[0] or self.force[-1] < self.force[-2]:
             raise self.error(
-                "force: expected one that does not fall beyond the last points, where the curve "
-                f"goes on, got {list(self.force)}"
+                "force: must not fall beyond the last points, where the curve is "
+                f"extrapolated, got {list(self.force)}"
             )
 
     def parameters(self) -> Sequence[float]:

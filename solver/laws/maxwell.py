@@ -16,12 +16,26 @@ MAX_SERIES_TIME = 1e-3
 class MaxwellLaw(ForceLaw):
     """Springs in series with dampers, side by side: f = sum f_i, f_i' = k_i c' - f_i / tau_i.
 
-    relaxation_times: tau_i [s]; stiffness: k_i [N/m, N m/rad]. The static stiffness is that of the
-    spring that has the law: at the frequency omega both together have the dynamic stiffness
-    k + sum k_i i omega tau_i / (1 + i omega tau_i). Exact where the deformation is linear over a
-    step; sum f_i^2 / (2 k_i) is stored. At the start all branches are relaxed.
+    The static stiffness is that of the spring that has the law: at the frequency omega both
+    together have the dynamic stiffness k + sum k_i i omega tau_i / (1 + i omega tau_i). Exact where
+    the deformation is linear over a step; sum f_i^2 / (2 k_i) is stored. At the start all branches
+    are relaxed.
 
-    Source: Simo, Hughes: Computational Inelasticity (1998), 10.2 and 10.3.
+    Parameters
+    ----------
+    relaxation_times : (n,) [s]
+        tau_i.
+    stiffness : (n,) [N/m, N m/rad]
+        k_i.
+
+    Examples
+    --------
+    >>> MaxwellLaw([1e-3, 1e-2], stiffness=[5e4, 2e4]).memories()
+    [0.0, 0.0, 0.0]
+
+    References
+    ----------
+    Simo, Hughes: Computational Inelasticity (1998), 10.2 and 10.3.
     """
 
     relaxation_times: SomeNumbers
@@ -75,6 +89,7 @@ def _branch(parameters: Array, memory: Array, i: int, h: float, c: float) -> tup
 @compiled
 def _mean_decay(x: float, decay: float) -> float:
     """(1 - exp(-x)) / x, the mean of exp(-x s) for s from 0 to 1."""
+    # For small x the difference 1 - exp(-x) loses its digits.
     if x > MAX_SERIES_TIME:
         return (1.0 - decay) / x
     return 1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0)))

@@ -10,11 +10,26 @@ from .law import Evaluation, ForceLaw, force_law
 
 @force_law("gap")
 class OneSidedLaw(ForceLaw):
-    """stiffness d^exponent beyond a gap, where d = -c - gap in compression, c - gap in extension.
+    """A force on one side of a gap: stiffness d^exponent where the gap is closed by d > 0.
 
-    gap: the deformation [m, rad] at which it begins to act, below zero for one that is preloaded;
-    stiffness [N/m^exponent, N m/rad^exponent]; exponent: 1 or more; side: the deformation that it
-    resists, "compression" (c < 0: a bump stop) or "extension" (c > 0: a cable, a strap).
+    The deformation c closes it by d = -c - gap in compression, and by d = c - gap in extension.
+
+    Parameters
+    ----------
+    gap : float [m, rad]
+        Where the law begins to act; below zero for one that is preloaded.
+    stiffness : float [N/m^exponent, N m/rad^exponent]
+    exponent : float
+        1 or more.
+    side : {"compression", "extension"}
+        The deformation that it resists: c < 0, as a bump stop, or c > 0, as a cable or a strap.
+
+    Examples
+    --------
+    A strap that is slack up to 0.1 m:
+
+    >>> OneSidedLaw(0.1, stiffness=2e4, side="extension").exponent
+    1.0
     """
 
     gap: float

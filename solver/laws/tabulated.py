@@ -13,10 +13,22 @@ from .law import Evaluation, ForceLaw, force_law
 
 @force_law("deformation")
 class TabulatedLaw(ForceLaw):
-    """Force [N] or moment [N m] over deformation [m, rad].
+    """Force over deformation, linear between the points, and beyond the last ones.
 
-    Linear between the points, and beyond the last ones. The stored energy is 0 at the deformation
-    without force that is nearest to rest, or at rest where there is none.
+    The stored energy is 0 at the deformation without force that is nearest to rest, or at rest
+    where there is none.
+
+    Parameters
+    ----------
+    deformation : (n,) [m, rad]
+        Ascending.
+    force : (n,) [N, N m]
+        That resists.
+
+    Examples
+    --------
+    >>> TabulatedLaw([-0.01, 0.0, 0.01], [-50.0, 0.0, 80.0]).force[2]
+    80.0
     """
 
     deformation: Numbers

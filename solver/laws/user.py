@@ -47,7 +47,7 @@ def _function(value: Any) -> LawFunction:
 
 
 AnyFunction = Annotated[
-    Any, FieldSpec("a Python function, also one that numba compiles", _function, Any)
+    Any, FieldSpec("a Python function, also one that numba compiles", _function)
 ]
 
 
@@ -56,19 +56,30 @@ AnyFunction = Annotated[
 class UserLaw(ForceLaw):
     """A law written by a user, from Python alone: a function that numba can compile.
 
-        def cubic(parameters, memory, h, c, rate):
-            k = parameters[0]
-            return k * c**3, 3.0 * k * c**2, 0.0, 0.25 * k * c**4
+    Neither function may raise exceptions. `check_law` compares derivatives with differences.
 
-        Spring("coil", "point", ends, law=UserLaw(cubic, [200.0]))
+    Parameters
+    ----------
+    function : callable
+        function(parameters, memory, h, c, rate): of the parameters (an array), the memory (an
+        array), the time h [s] since the memory was set, the deformation c and its rate. It returns
+        the force that resists, its derivatives by c and by rate, and the stored energy [J]. At the
+        start h is infinite: the law has always been at rest.
+    numbers : sequence of float
+        The parameters.
+    memory : sequence of float
+        What the law remembers before the start.
+    update : callable, optional
+        Of the same arguments: it sets `memory` to that at the end of a step and returns nothing.
+        Then `function` must give the same force with h = 0 at the same c.
 
-    function: of the parameters (an array), the memory (an array), the time h since the memory was
-    set, the deformation c and the rate dc/dt; it returns the force that resists, its derivatives by
-    c and by dc/dt, and the stored energy; numbers: the parameters. memory: what the law remembers
-    before the start; update: a function of the same arguments that sets `memory` to that at the end
-    of a step and returns nothing. Then `function` must give the same force with h = 0 at the same
-    c. At the start h is infinite: all has been at rest for ever. Neither may raise exceptions.
-    `check_law` compares derivatives with differences.
+    Examples
+    --------
+    >>> from duhamel.solver import check_law
+    >>> def cubic(parameters, memory, h, c, rate):
+    ...     k = parameters[0]
+    ...     return k * c**3, 3.0 * k * c**2, 0.0, 0.25 * k * c**4
+    >>> check_law(UserLaw(cubic, [200.0]), deformations=[-0.1, 0.2])
     """
 
     function: AnyFunction
@@ -80,7 +91,7 @@ class UserLaw(ForceLaw):
 
     def validate(self) -> None:
         if bool(self.memory) != (self.update is not None):
-            raise self.error("memory: a law with a memory needs an update of it, and no other does")
+            raise self.error("memory: expected memory and update together, found one of them")
         for name, function in (("function", self.function), ("update", self.update)):
             try:
                 self._address(function)

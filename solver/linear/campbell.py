@@ -67,7 +67,19 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Frequencies over spins (n,) [rad/s], as lines in the order of their frequencies."""
+    """Frequencies over spins, as lines in the order of their frequencies.
+
+    See `campbell` for an example.
+
+    Parameters
+    ----------
+    spins : (n,) [rad/s]
+    lines : tuple of Line
+    unstable : (n,) bool
+        Whether a mode grows at each spin.
+    validity : LinearValidity
+        At the largest spin.
+    """
 
     spins: Array
     lines: tuple[Line, ...]
@@ -105,11 +117,44 @@ def _roots(spins: Array, frequencies: Array, order: float) -> Iterator[float]:
 def campbell(
     model: Model, spins: Sequence[float], modes: int = 8, progress: bool = False
 ) -> Campbell:
-    """The first modes of a model over spins [rad/s], about the axis of its steady rotation.
+    """The first modes of a model over spins about the axis of its steady rotation.
 
-    Drives that turn the model follow the spin. progress: tell on stderr how far it is. ModelError
-    for a model without `steady_rotation`, whose axis and center count, and what `linearize`
-    refuses.
+    Drives that turn the model follow the spin.
+
+    Parameters
+    ----------
+    model : Model
+    spins : sequence of float [rad/s]
+    modes : int
+        The number of lines.
+    progress : bool
+        Report progress on stderr.
+
+    Returns
+    -------
+    Campbell
+
+    Raises
+    ------
+    ModelError
+        For a model without `steady_rotation`, whose axis and center count, and for what `linearize`
+        refuses.
+
+    Examples
+    --------
+    A rotor on a flexible mount, whose backward and forward whirl part with the spin:
+
+    >>> from duhamel.solver import Model, RigidBody, Settings, Spherical, Spring, SteadyRotation
+    >>> disk = RigidBody(1.0, [0.1, 0.1, 0.2], {"left": [0.0, 0.0, -0.2], "right": [0.0, 0.0, 0.2]})
+    >>> mount = Spring("mount", "bushing", ["ground", "disk.right"], axis=[0.0, 0.0, 1.0],
+    ...                stiffness=[4e4, 4e4, 4e4, 0.0, 0.0, 0.0])
+    >>> steady = SteadyRotation((0.0, 0.0, 5.0))
+    >>> diagram = campbell(Model(
+    ...     {"disk": disk}, joints=[Spherical("ground", "disk.left")], springs=[mount],
+    ...     settings=Settings(t_end=1.0, step=1e-3, start="equilibrium", steady_rotation=steady),
+    ... ), [0.0, 10.0])
+    >>> [(line.whirl, line.frequencies.round(2).tolist()) for line in diagram.lines]
+    [('backward', [34.03, 32.91]), ('forward', [34.03, 35.18])]
     """
     rotation = model.settings.steady_rotation
     if rotation is None or not np.any(rotation.angular_velocity):

@@ -113,8 +113,8 @@ class Equations:
         for body in self.bodies:
             if isinstance(body, KernelBody):
                 raise ModelError(
-                    f"body {body.name!r}: superelement {body.element.name!r} has no modes, only a "
-                    "kernel: frequency responses take it, modes and state space do not"
+                    f"body {body.name!r}: superelement {body.element.name!r} has a kernel but no "
+                    "modes: only frequency responses can be computed"
                 )
         return [body for body in self.bodies if isinstance(body, ModalBody)]
 

@@ -87,10 +87,9 @@ class KernelBody:
         left = float(np.abs(kernel.g[-max(len(kernel.g) // 16, 1) :]).max() / largest)
         if left > DECAYED_KERNEL:
             raise ModelError(
-                f"body {self.name!r}: superelement {self.element.name!r} is known by a kernel "
-                f"alone, which after {kernel.length:.3g} s still has {left:.1g} of its largest "
-                "response: a transfer function needs one that has decayed to "
-                f"{DECAYED_KERNEL:g}, or modes"
+                f"body {self.name!r}: superelement {self.element.name!r} has no modes, "
+                f"and its kernel has decayed to {left:.1g} of its largest response after "
+                f"{kernel.length:.3g} s: a transfer function needs {DECAYED_KERNEL:g}, or modes"
             )
 
 

@@ -16,10 +16,15 @@ from .outputs import Observation, observe
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse:
-    """Amplitudes of outputs per unit of inputs.
+    """Amplitudes of outputs per unit of inputs. See `linearize` for an example.
 
-    frequencies (n,) [Hz]; values (n, n_out, n_in) complex; names and units of both: a vector has a
-    name for each component.
+    Parameters
+    ----------
+    frequencies : (n,) [Hz]
+    values : (n, n_out, n_in) complex
+    outputs, inputs : tuple of str
+        A vector has a name for each component.
+    units, input_units : tuple of str
     """
 
     frequencies: Array
@@ -81,8 +86,7 @@ def amplitudes(equations: Equations, observation: Observation, forces: Forcing, 
     if not factors.conditioned:
         at = f"{abs(s) / (2.0 * np.pi):.6g} Hz"
         raise ModelError(
-            f"no response at {at}: the model resonates without damping, or moves where nothing "
-            "resists"
+            f"no finite response at {at}: an undamped resonance, or a motion that nothing resists"
         )
     return observed(factors, observation, forces)
 

@@ -93,8 +93,7 @@ def _channel(model: Model, lowered: LoweredModel, name: str) -> Channel:
     if kind == "drive":
         if rest not in drives:
             raise ModelError(
-                f"{name}: nothing drives {rest!r}, or an attitude; driven are: "
-                f"{', '.join(drives) or 'none'}"
+                f"{name}: no scalar drive of {rest!r}; there are: {', '.join(drives) or 'none'}"
             )
         return Channel(name, drives=(drives[rest],))
     numbers = _numbers(model, lowered)

@@ -29,10 +29,16 @@ MAX_MODES_FOUND = 60
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """The linear equations of a model about an equilibrium.
+    """The linear equations of a model about an equilibrium, made by `linearize`.
 
     All results are amplitudes of small motions about it. In steady rotation they are those that an
     observer sees who turns with the mechanism: so are frequencies, and components of vectors.
+    See `linearize` for an example.
+
+    Parameters
+    ----------
+    model : Model
+    rotation : SteadyRotation, optional
     """
 
     model: Model
@@ -144,12 +150,47 @@ class LinearModel:
 def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearModel:
     """The linear equations of a model about the equilibrium nearest to its start.
 
-    At rest, in the steady rotation of its settings, or in `rotation`, which drives that turn the
-    mechanism then follow; under gravity, and under the
-    loads at t = 0 where the model starts in equilibrium: where it starts as given, they begin
-    then, and count for nothing, as velocities do. `ModelError` where there is no such equilibrium,
-    for friction that acts, for laws with a memory other than Maxwell's or with a kink there, and
-    for a steady rotation in which the equations are not constant.
+    The equilibrium is at rest, in the steady rotation of the settings, or in `rotation`, under
+    gravity, and under the loads at t = 0 if the model starts in equilibrium. In a model that starts
+    as given, loads and velocities do not count: they begin at t = 0.
+
+    Parameters
+    ----------
+    model : Model
+    rotation : SteadyRotation, optional
+        Drives that turn the mechanism follow it.
+
+    Returns
+    -------
+    LinearModel
+
+    Raises
+    ------
+    ModelError
+        Where there is no such equilibrium; for friction that acts; for laws with a kink there, or
+        with a memory other than Maxwell's; and for a steady rotation in which the equations are not
+        constant.
+
+    Examples
+    --------
+    2 kg on a spring of 8 pi^2 N/m:
+
+    >>> import numpy as np
+    >>> from duhamel.solver import Frame, Model, Prismatic, RigidBody, Settings, Spring
+    >>> coil = Spring("coil", "point", ["ground.wall", "box"], stiffness=8.0 * np.pi**2)
+    >>> linear = linearize(Model(
+    ...     {"box": RigidBody(2.0, [0.1, 0.1, 0.1])}, springs=[coil],
+    ...     joints=[Prismatic("ground", "box", axis=[1.0, 0.0, 0.0])],
+    ...     ground_frames={"wall": Frame((-1.0, 0.0, 0.0))},
+    ...     settings=Settings(t_end=1.0, step=0.01),
+    ... ))
+    >>> linear.modes().frequencies.round(6).tolist()
+    [1.0]
+    >>> response = linear.frf(["force:box:x"], ["position:box:x"], [0.5])
+    >>> response.outputs, response.units, response.input_units
+    (('position:box:x',), ('m',), ('N',))
+    >>> linear.state_space(["force:box:x"], ["position:box:x"]).A.shape
+    (2, 2)
     """
     linear = LinearModel(model, rotation)
     if not isinstance(model, Model):

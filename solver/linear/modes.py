@@ -245,11 +245,17 @@ def _joined(arrays: list[Any]) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class LinearModes:
-    """Modes of a linear model, in the order of their frequencies.
+    """Modes of a linear model, in the order of their frequencies. See `linearize` for an example.
 
-    values (n,): eigenvalues [rad/s], one of each complex pair, and real ones; those of motions that
-    nothing resists are 0, once for each. y (n_y, n): rigid coordinates and modes of the bodies;
-    lam (n_i, n): multipliers.
+    Parameters
+    ----------
+    values : (n,) complex [rad/s]
+        Eigenvalues, one of each complex pair, and real ones. Those of motions that nothing resists
+        are 0, once for each.
+    y : (n_y, n) complex
+        Rigid coordinates and modes of the bodies.
+    lam : (n_i, n) complex
+        Multipliers.
     """
 
     values: Complex
@@ -317,7 +323,8 @@ def _subspace(form: FirstOrder, n: int | None) -> Subspace:
             return found
     if form.n > MAX_DENSE_STATES:
         raise ModelError(
-            f"{form.n} states: expected at most {MAX_DENSE_STATES} to find all modes, ask for fewer"
+            f"{form.n} states: expected at most {MAX_DENSE_STATES} to find all modes: request "
+            "fewer modes"
         )
     return Subspace(form.sigma, None, form.matrix)
 

@@ -92,8 +92,8 @@ def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:
     settings = model.settings
     if isinstance(settings.start, StartFrom):
         raise ModelError(
-            "simulation: start: a linear analysis is about an equilibrium near a pose that the "
-            "model gives, got the end of another run"
+            "simulation: start: a linear analysis starts from a pose given in the model, "
+            "got the end of another run"
         )
     changes: dict[str, Any] = {
         "start": "equilibrium",
@@ -179,17 +179,17 @@ def _check_linear(initial: InitialState) -> None:
     for j in np.flatnonzero(couplings.friction_of >= 0).tolist():
         if couplings.contact_of[j] < 0 or status[j]:
             owner = lowered.model.couplings[j].owner
-            raise ModelError(f"{owner}: friction sticks or slips, and has no linear equations")
+            raise ModelError(f"{owner}: friction sticks or slips and cannot be linearized")
     laws = couplings.laws
     for motor, limited in zip(lowered.model.motors, initial.work.motors.status, strict=True):
         if limited:
-            raise motor.error("it is at its limit, and has no linear equations")
+            raise motor.error("it is at its limit and cannot be linearized")
     for m, i in enumerate(np.repeat(np.arange(len(laws.rest)), np.diff(laws.range)).tolist()):
         law = LAW_KINDS[laws.number[m]]
         if laws.memory[m + 1] > laws.memory[m] and law not in (MaxwellLaw, ContactLaw):
             raise ModelError(
-                f"{lowered.owner_of(i)}: {law.__name__} depends on its past, and has no linear "
-                "equations"
+                f"{lowered.owner_of(i)}: {law.__name__} depends on its past and cannot be "
+                "linearized"
             )
         if not _is_open(initial, i):
             _check_slopes(initial, m, i)

@@ -30,10 +30,17 @@ BLOCK_DISTANCE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """x' = A x + B f, y = C x + D f.
+    """x' = A x + B f, y = C x + D f. See `linearize` for an example.
 
-    A (n, n), B (n, n_in), C (n_out, n), D (n_out, n_in), with the names of inputs and outputs.
-    `scipy.signal.StateSpace(s.A, s.B, s.C, s.D)` and `control.ss` take them.
+    `scipy.signal.StateSpace(s.A, s.B, s.C, s.D)` and `control.ss` take the matrices.
+
+    Parameters
+    ----------
+    A : (n, n)
+    B : (n, n_in)
+    C : (n_out, n)
+    D : (n_out, n_in)
+    inputs, outputs : tuple of str
     """
 
     A: Array
@@ -61,8 +68,8 @@ def state_space_of(
     for channel in inputs:
         if channel.drives:
             raise ModelError(
-                f"{channel.name}: a drive moves its joint at once: state space takes loads, "
-                "frequency responses take drives"
+                f"{channel.name}: a drive cannot be an input of a state space: use a load, "
+                "or a frequency response"
             )
     if form.n > MAX_DENSE_STATES:
         raise ModelError(f"{form.n} states: expected at most {MAX_DENSE_STATES} for a state space")

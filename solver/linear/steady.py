@@ -47,8 +47,8 @@ def check_constant(equations: Equations) -> None:
     ):
         what = "its stiffness, damping or constraints change" if balanced else "forces change"
         raise ModelError(
-            f"steady rotation of {pose.angular_velocity.tolist()} rad/s: {what} with the angle, "
-            "seen from the mechanism: supports and loads must be alike all round the axis"
+            f"steady rotation of {pose.angular_velocity.tolist()} rad/s: {what} with the angle "
+            "of rotation: supports and loads must be symmetric about the axis"
         )
 
 

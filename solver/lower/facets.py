@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 
-FACET_TYPES = "triangle", "quad", "triangle6", "quad8", "quad9"
+NUMBERED_FACETS = "triangle", "quad", "triangle6", "quad8", "quad9"
 """types of facets, in the order of their numbers in compiled code"""
 SMOOTH_TYPES = {"triangle": "triangle6", "quad": "quad8"}
 """types of linear facets with middle nodes on arcs"""
@@ -51,11 +51,11 @@ class RuleOfFacets(NamedTuple):
 @cache
 def rule_of(facet_type: str) -> RuleOfFacets:
     """The rule of a type of facets: "triangle", "quad", "triangle6", "quad8" or "quad9"."""
-    shape = SHAPES[facet_type]
+    shape = SHAPE_FUNCTIONS[facet_type]
     triangular = facet_type.startswith("triangle")
     points, weights = _triangle_rule() if triangular else _quadrilateral_rule()
     functions = np.array([shape(x, y) for x, y in points])
-    corners = SHAPES["triangle" if triangular else "quad"]
+    corners = SHAPE_FUNCTIONS["triangle" if triangular else "quad"]
     step = 1e-3  # central differences are exact for polynomials of degree two in each direction
     slopes = np.array(
         [
@@ -75,6 +75,7 @@ def _triangle_rule() -> tuple[Array, Array]:
     for a, weight in TRIANGLE_POINTS:
         b = 1.0 - 2.0 * a
         points += [(a, a), (a, b), (b, a)]
+        # The area of the reference triangle is a half.
         weights += [0.5 * weight] * 3
     return np.array(points), np.array(weights)
 
@@ -121,7 +122,7 @@ def _quad9(x: float, y: float) -> Array:
     return np.array([along(x, a) * along(y, b) for a, b in QUAD_NODES])
 
 
-SHAPES: dict[str, Callable[[float, float], Array]] = {
+SHAPE_FUNCTIONS: dict[str, Callable[[float, float], Array]] = {
     "triangle": _triangle,
     "quad": _quad,
     "triangle6": _triangle6,

@@ -11,9 +11,9 @@ import numpy as np
 from ...superelement import Surface
 from ..arrays import Array, Index, as_index, as_rows
 from ..step.records.surfaces import Facets, Patches
-from .facets import FACET_TYPES, MOST_CORNERS, MOST_NODES, SMOOTH_TYPES, RuleOfFacets, rule_of
+from .facets import MOST_CORNERS, MOST_NODES, NUMBERED_FACETS, SMOOTH_TYPES, RuleOfFacets, rule_of
 
-PARALLEL = 1e-12
+NEGLIGIBLE_SINE_SQUARED = 1e-12
 """1 - c^2 of normals between which an edge is straight"""
 FEATURE_ANGLE = math.radians(30.0)
 """angle between facets from which on the edge between them is sharp"""
@@ -71,6 +71,7 @@ class Patch:
         L, w = self.rule.corner_functions, self.weights
         M = np.einsum("fq,qi,qj->fij", w, L, L)
         D = np.einsum("fq,qi->fi", w, L)
+        # sum_q w psi_i L_k is zero unless i = k: each row has the gap of its own corner.
         psi: Array = np.einsum("fij,qj->fqi", D[:, :, None] * np.linalg.inv(M), L)
         return psi
 
@@ -78,6 +79,7 @@ class Patch:
     def areas(self) -> Array:
         """A_i of the rows [m^2]."""
         areas = np.zeros(len(self.corners))
+        # Not with +=, by which a row that several facets share would count once.
         np.add.at(areas, self.rows_of_facets, np.einsum("fq,fqi->fi", self.weights, self.dual))
         return areas
 
@@ -104,6 +106,7 @@ class Patch:
         for f, corners in enumerate(self.surface.corners.tolist()):
             for i, a in enumerate(corners):
                 edge = frozenset((a, corners[(i + 1) % len(corners)]))
+                # An edge waits for the other facet that has it; to the rim none comes.
                 if edge in waiting:
                     g, k = waiting.pop(edge)
                     beside[f, i], beside[g, k] = g, f
@@ -115,6 +118,7 @@ class Patch:
     def facet_normals(self) -> Array:
         """Unit normals of the facets, by their corners (n_facets, 3)."""
         x = self.surface.X[self.surface.corners]
+        # By the diagonals, for the corners of a quadrilateral need not lie in a plane.
         a, b = x[:, 2] - x[:, 0], x[:, -1] - x[:, 1]
         if x.shape[1] == 3:
             a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
@@ -129,8 +133,10 @@ class Patch:
         lists: list[list[int]] = []
         for f, rows in enumerate(self.rows_of_facets.tolist()):
             for i in rows:
+                # A flat target keeps its edges: its corners have the normals of their facets.
                 around = [g for g, _ in self.around[i]] if self.smooth else [f]
                 lists.append([g for g in around if normals[f] @ normals[g] > limit])
+            # Four lists of each facet, so that compiled code finds them by the number of the facet.
             lists += [[] for _ in range(MOST_CORNERS - len(rows))]
         return lists
 
@@ -156,7 +162,8 @@ class Patch:
                 n, m = means[i], means[(i + 1) % n_corners]
                 d = self.surface.X[own[(i + 1) % n_corners]] - self.surface.X[own[i]]
                 c = float(n @ m)
-                if 1.0 - c * c > PARALLEL:
+                # Between parallel normals the arc is its chord, and k is 0 / 0.
+                if 1.0 - c * c > NEGLIGIBLE_SINE_SQUARED:
                     k = n * (n @ d + c * (m @ d)) - m * (m @ d + c * (n @ d))
                     middle = (n + m) / np.linalg.norm(n + m)
                     rises[f, i] = -0.25 * float(k @ middle) / (1.0 - c * c)
@@ -165,6 +172,7 @@ class Patch:
     @cached_property
     def center(self) -> Array:
         X = self.surface.X
+        # Of the box: a mean would lie where the mesh is fine.
         center: Array = 0.5 * (X.min(axis=0) + X.max(axis=0))
         return center
 
@@ -194,6 +202,7 @@ def lay_out_patches(patches: Sequence[Patch]) -> Patches:
         for facets, nodes in zip(patch.around, patch.supports, strict=True)
         for f, _ in facets
     ]
+    # Facets of a type have the same functions at their points, but dual ones of their own.
     tile = [len(patch.surface.facets) for patch in patches]
     return Patches(
         body=as_index([patch.body for patch in patches]),
@@ -206,18 +215,20 @@ def lay_out_patches(patches: Sequence[Patch]) -> Patches:
         X=np.concatenate([np.empty((0, 3)), *(patch.surface.X for patch in patches)]),
         area=joined(patch.areas for patch in patches),
         weight=joined(patch.weights.ravel() for patch in patches),
-        N=padded(
+        N=in_one_table(
             [np.tile(p.rule.functions, (n, 1)) for p, n in zip(patches, tile, strict=True)],
             MOST_NODES,
         ),
-        corner=padded(
+        corner=in_one_table(
             [np.tile(p.rule.corner_functions, (n, 1)) for p, n in zip(patches, tile, strict=True)],
             MOST_CORNERS,
         ),
-        dual=padded([patch.dual.reshape(patch.n_points, -1) for patch in patches], MOST_CORNERS),
+        dual=in_one_table(
+            [patch.dual.reshape(patch.n_points, -1) for patch in patches], MOST_CORNERS
+        ),
         around_range=starts(len(facets) for patch in patches for facets in patch.around),
         around=as_index(around).reshape(-1, 2),
-        slot=padded([own[None] for own in slots], MOST_NODES, np.int64),
+        slot=in_one_table([own[None] for own in slots], MOST_NODES, np.int64),
         support_range=starts(map(len, supports)),
         support=as_index([k for nodes in supports for k in nodes]),
     )
@@ -233,28 +244,29 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
         for own in patch.turned
     ]
     kinds = [patch.surface.facet_type for patch in patches]
+    # Arcs of edges need middle nodes, which linear facets do not have in the mesh.
     shaped = [
         SMOOTH_TYPES.get(kind, kind) if patch.smooth else kind
         for patch, kind in zip(patches, kinds, strict=True)
     ]
     return Facets(
         range=facet,
-        kind=as_index([FACET_TYPES.index(kind) for kind in kinds]),
-        shaped=as_index([FACET_TYPES.index(kind) for kind in shaped]),
+        kind=as_index([NUMBERED_FACETS.index(kind) for kind in kinds]),
+        shaped=as_index([NUMBERED_FACETS.index(kind) for kind in shaped]),
         corners=as_index([patch.rule.n_corners for patch in patches]),
         n_nodes=as_index([patch.rule.n_nodes for patch in patches]),
         points=as_index([len(patch.rule.weights) for patch in patches]),
-        nodes=padded(
+        nodes=in_one_table(
             [n + p.surface.facets for p, n in zip(patches, node.tolist(), strict=False)],
             MOST_NODES,
             np.int64,
         ),
-        rows=padded(
+        rows=in_one_table(
             [n + p.rows_of_facets for p, n in zip(patches, row.tolist(), strict=False)],
             MOST_CORNERS,
             np.int64,
         ),
-        beside=padded(
+        beside=in_one_table(
             [
                 np.where(patch.beside < 0, -1, first + patch.beside)
                 for patch, first in zip(patches, facet.tolist(), strict=False)
@@ -262,7 +274,7 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
             MOST_CORNERS,
             np.int64,
         ),
-        rise=padded([patch.rises for patch in patches], MOST_CORNERS),
+        rise=in_one_table([patch.rises for patch in patches], MOST_CORNERS),
         around_range=starts(map(len, turned)),
         around=as_index([f for own in turned for f in own]),
     )
@@ -279,10 +291,11 @@ def starts(lengths: Iterable[int]) -> Index:
 
 
 def joined(arrays: Iterable[Array]) -> Array:
+    # NumPy joins no empty list, which a model without surfaces has.
     return np.concatenate([np.empty(0), *arrays])
 
 
-def padded(tables: Sequence[Any], columns: int, kind: Any = np.float64) -> Any:
+def in_one_table(tables: Sequence[Any], columns: int, kind: Any = np.float64) -> Any:
     """Tables one below the other, with so many columns: what lacks is 0, or -1 of integers."""
     fill = -1 if kind is np.int64 else 0
     wide = [np.full((len(table), columns), fill, dtype=kind) for table in tables]

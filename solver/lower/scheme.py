@@ -136,7 +136,7 @@ def _chosen_or_common(
     if not values and default is not None:
         return default
     if not values:
-        raise ModelError(f"simulation: {key}: a model without superelements needs one")
+        raise ModelError(f"simulation: {key}: required in a model without superelements")
     listed = ", ".join(f"{name}: {value}" for name, value in stored.items())
     raise ModelError(
         f"simulation: {key}: the superelements differ ({listed}), so the model must give one"

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array, as_index, as_rows
 from ..couplings.surface_contacts import SurfaceContact
+from ..errors import ModelError
 from ..history.layout import Stepping
 from ..history.packing import packed
 from ..history.shares import shares_of
@@ -47,6 +48,7 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
     contacts = model.surface_contacts
     numbers = {name: b for b, name in enumerate(model.bodies)}
     owners = [name for name in model.flexible_bodies if name in model.bodies_with_pressed_surfaces]
+    # Body by body, for the compliance of a body has the nodes of all of its surfaces.
     keys = [
         key
         for name in owners
@@ -67,11 +69,13 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
     for contact in contacts:
         own, *others = _keys(contact)
         patch.append(keys.index(own))
+        # A flexible target moves with its own nodes, a rigid one with a frame.
         number = -1 if others else frames.number(carrier_name(contact))
         frame.append(number)
         if contact.facets is not None:
             body = int(frames.arrays.body[number])
             smooth = contact.geometry == "smooth"
+            # Behind the flexible ones, whose numbers are their places in `keys`.
             patches.append(Patch(contact.name, body, -1, contact.rigid_surface, smooth))
         rigid = len(patches) - 1 if contact.facets is not None else -1
         target.append(keys.index(others[0]) if others else rigid)
@@ -80,6 +84,7 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
     for members in islands:
         flexible = {numbers[name] for c in members for name in contacts[c].flexible_bodies}
         carriers = {int(frames.arrays.body[frame[c]]) for c in members if frame[c] >= 0}
+        # What is fixed in space has no coordinates.
         bodies.append(sorted((flexible | carriers) - {-1}))
     return SurfaceLayout(contacts, owners, patches, patch, target, frame, islands, bodies)
 
@@ -98,6 +103,7 @@ def _islands(contacts: Sequence[SurfaceContact]) -> list[list[int]]:
     for c, contact in enumerate(contacts):
         bodies, members = set(contact.flexible_bodies), [c]
         apart = []
+        # A contact may join islands that were apart before.
         for own, others in islands:
             if own & bodies:
                 bodies, members = bodies | own, others + members
@@ -187,7 +193,9 @@ def _motion(
     rows = [surfaces.rows(patch.surface.name) for patch in patches]
     dofs = np.concatenate([np.arange(own.start, own.stop) for own in rows])
     shapes = surfaces.phi[dofs]
+    # What no mode of the file has follows the forces at once.
     residual = surfaces.H[np.ix_(dofs, dofs)] - (shapes / modes.omega**2) @ shapes.T
+    # By the shortest step: long steps between contacts go on with the same modes.
     phi = shares_of(element, stepping.shortest).shapes(shapes)
     own = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
     h, beta = stepping.h, stepping.scheme.beta
@@ -197,11 +205,21 @@ def _motion(
     phi_J = elastic.modes.phi[start : start + n_c * m].reshape(n_c, m)
     active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
     phi_J = phi_J[active - elastic.dof[e]]
+    # With fewer modes some motions of the interfaces would leave that of the nodes open.
+    if (rank := np.linalg.matrix_rank(phi_J)) < len(active):
+        raise ModelError(
+            f"body {name!r}: its surfaces are in contact, and joints, springs or loads act on "
+            f"{len(active)} dofs of its interfaces: expected as many modes that differ there, "
+            f"found {rank}"
+        )
+    # Active dofs are unknowns of Newton's method: G is what is left while they are held.
     G_CJ, G_JJ = (phi * per_mode) @ phi_J.T, (phi_J * per_mode) @ phi_J.T
     T = np.linalg.solve(G_JJ, G_CJ.T).T if len(active) else np.empty((len(dofs), 0))
     G = (phi * per_mode) @ phi.T + residual - T @ G_CJ.T
+    # |u|^2 <= sum phi^2 / stiffness times sum stiffness eta^2, which is twice the energy.
     squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
     reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
+    # Symmetric to the last bit: the loop reads rows of G as columns.
     return _Motion(phi, T, 0.5 * (G + G.T), reach)
 
 
@@ -212,6 +230,7 @@ def _lay_out_contacts(
     shapes = [contact.shape_in(frames.poses, carrier_name(contact)) for contact in contacts]
     widths = [[_coordinates(b, elastic) for b in bodies] for bodies in layout.island_bodies]
     totals = [sum(width) for width in widths]
+    # Of all bodies of an island, for the tangent of contacts couples each with each.
     coordinate = np.full((len(contacts), 2), -1)
     for members, bodies, width in zip(layout.islands, layout.island_bodies, widths, strict=True):
         first = dict(zip(bodies, starts(width).tolist(), strict=False))
@@ -226,6 +245,7 @@ def _lay_out_contacts(
         target=as_index(layout.target),
         frame=as_index(layout.frame),
         shape=as_index([shape.number for shape in shapes]),
+        # Inside a hollow shape gaps and normals have the other sign.
         side=np.array([-1.0 if contact.hollow else 1.0 for contact in contacts]),
         axis=as_rows([shape.axis for shape in shapes]),
         across=as_rows([shape.across for shape in shapes]),
@@ -238,9 +258,11 @@ def _lay_out_contacts(
             ],
             dtype=np.float64,
         ),
+        # The default depends on the motion, which only the loop knows.
         margin=np.array(
             [np.nan if c.margin is None else c.margin for c in contacts], dtype=np.float64
         ),
+        # A compliance: without a layer it is zero, and no case of its own.
         layer=np.array(
             [0.0 if c.layer is None else 1.0 / c.layer for c in contacts], dtype=np.float64
         ),
@@ -270,6 +292,7 @@ def _places_of_others(layout: SurfaceLayout) -> list[int]:
             numbers += [0] * len(points)
         else:
             target = layout.patches[t]
+            # Each point is above one facet, but facets share nodes.
             numbers += [min(n * target.rule.n_nodes, target.surface.n) for n in points]
     return numbers
 

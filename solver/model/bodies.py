@@ -23,7 +23,16 @@ INERTIA_TOLERANCE = 1e-6
 class Frame(Entry):
     """A point and three axes fixed in a body.
 
-    position (3,) [m] and rotation vector (3,) [rad], in body axes.
+    Parameters
+    ----------
+    position : (3,) [m]
+    rotation : (3,) [rad]
+        A rotation vector; both in body axes.
+
+    Examples
+    --------
+    >>> Frame((0.5, 0.0, 0.0)).rotation.tolist()
+    [0.0, 0.0, 0.0]
     """
 
     position: Vector = ZERO_VECTOR
@@ -32,10 +41,19 @@ class Frame(Entry):
 
 @entry(eq=True)
 class Place(Entry):
-    """The start of a body by a frame: `frame` of the body coincides with `on` of another.
+    """The start of a body by a frame, which coincides with a frame of another body, axes included.
 
-    Axes included; `on` is "BODY.FRAME", or "BODY" for its center of mass. `frame` "" is the center
-    of mass of the body itself, with body axes.
+    Parameters
+    ----------
+    frame : str
+        A frame of the body itself; "" is its center of mass, with body axes.
+    on : str
+        "BODY.FRAME", or "BODY" for its center of mass.
+
+    Examples
+    --------
+    >>> Start(place=Place("root", on="hub.rim")).place.on
+    'hub.rim'
     """
 
     frame: Name
@@ -46,9 +64,23 @@ class Place(Entry):
 class Start(Entry):
     """Position, orientation and velocities of a body at the start.
 
-    Either `position` (3,) of the center of mass [m] and `rotation` vector (3,) [rad] in space, or
-    `place`. velocity (3,) of the center of mass in space [m/s]; angular_velocity (3,) in body axes
-    [rad/s].
+    Parameters
+    ----------
+    position : (3,) [m]
+        Of the center of mass, in space.
+    rotation : (3,) [rad]
+        A rotation vector, in space.
+    place : Place, optional
+        Instead of both.
+    velocity : (3,) [m/s]
+        Of the center of mass, in space.
+    angular_velocity : (3,) [rad/s]
+        In body axes.
+
+    Examples
+    --------
+    >>> Start(position=(0.0, 0.0, 1.0)).velocity.tolist()
+    [0.0, 0.0, 0.0]
     """
 
     position: Vector = ZERO_VECTOR
@@ -66,10 +98,22 @@ class Start(Entry):
 class RigidBody(Entry):
     """A rigid body with named frames.
 
-    mass [kg]; inertia about the center of mass in body axes, (3,) principal or (3, 3) [kg m^2]. No
-    principal inertia exceeds the sum of the other two, which no distribution of mass allows.
-    frames: by name; in Python a position (3,) [m] stands for a frame along the body axes.
-    shape: how pictures show it, without effect on the motion; by default a box of its inertia.
+    Parameters
+    ----------
+    mass : float [kg]
+    inertia : (3,) or (3, 3) [kg m^2]
+        About the center of mass in body axes; three numbers are principal ones. No principal
+        inertia exceeds the sum of the other two, which no distribution of mass allows.
+    frames : mapping of Frame or (3,)
+        By name; a position [m] stands for a frame along the body axes.
+    start : Start
+    shape : Box, Cylinder, Sphere or Surface, optional
+        How pictures show it, without effect on the motion; by default a box of its inertia.
+
+    Examples
+    --------
+    >>> RigidBody(2.0, [0.1, 0.1, 0.1], {"pin": [0.0, 0.0, 0.5]}).frames["pin"].position.tolist()
+    [0.0, 0.0, 0.5]
     """
 
     mass: Positive
@@ -118,9 +162,26 @@ class _OfSuperelement:
 class FlexibleBody(_OfSuperelement, Entry):
     """A body that moves as a whole and deforms as its superelement; its frames are its interfaces.
 
-    source: the path of the file of the superelement, "" if there is none. second_order: whether its
-    elastic motion has terms of second order, which fast rotation and large loads need: "auto" where
-    the superelement has them, "full" (an error where it has not), or "off".
+    Parameters
+    ----------
+    superelement : Superelement
+    start : Start
+    source : str
+        The path of the file of the superelement, "" if there is none.
+    second_order : {"auto", "full", "off"}
+        Whether its elastic motion has terms of second order, which fast rotation and large loads
+        need: where the superelement has them, or always (an error where it has not), or never.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> import numpy as np
+    >>> points = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 6)
+    >>> steel = du.Material(E=210e9, nu=0.3, rho=7850.0)
+    >>> beam = du.Beam(points, section=du.Section.rectangle(steel, width=0.01, height=0.01))
+    >>> beam.interface("tip", points[-1])
+    >>> sorted(FlexibleBody(beam.superelement(step=1e-4)).frames)
+    ['tip']
     """
 
     superelement: Superelement
@@ -163,8 +224,15 @@ class FlexibleBody(_OfSuperelement, Entry):
 class RigidSuperelement(_OfSuperelement, Entry):
     """A rigid body with the mass, inertia, interfaces and outline of a superelement.
 
-    Its interfaces are frames, which carry moments too. source: the path of the file of the
-    superelement, "" if there is none. In model files: `rigid = true` beside `superelement`.
+    Its interfaces are frames, which carry moments too. In model files: `rigid = true` beside
+    `superelement`. It is made as a `FlexibleBody`: see there for an example.
+
+    Parameters
+    ----------
+    superelement : Superelement
+    start : Start
+    source : str
+        The path of the file of the superelement, "" if there is none.
     """
 
     superelement: Superelement

@@ -16,7 +16,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
 from ..schema.paths import FilePath
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import ZERO_VECTOR, Direction, Positive, Vector, vector
 
 BODY_SHAPES = Family("shape")
@@ -49,7 +49,17 @@ class BodyShape(Protocol):
 @BODY_SHAPES.in_files("box")
 @entry()
 class Box(Entry):
-    """A box with edges (3,) [m] along the body axes about a center (3,) [m]."""
+    """A box along the body axes.
+
+    Parameters
+    ----------
+    edges, center : (3,) [m]
+
+    Examples
+    --------
+    >>> Box([0.2, 0.1, 0.1]).edges.tolist()
+    [0.2, 0.1, 0.1]
+    """
 
     edges: Annotated[Edges, NameInFile("box")]
     center: Vector = ZERO_VECTOR
@@ -71,7 +81,20 @@ class CylinderSize(Entry):
 @BODY_SHAPES.in_files("cylinder")
 @entry()
 class Cylinder(Entry):
-    """A cylinder with its middle at a center (3,) [m]."""
+    """A cylinder.
+
+    Parameters
+    ----------
+    cylinder : CylinderSize
+        Radius, length [m] and axis, in body axes.
+    center : (3,) [m]
+        Its middle.
+
+    Examples
+    --------
+    >>> Cylinder(CylinderSize(radius=0.1, length=0.5)).cylinder.length
+    0.5
+    """
 
     cylinder: CylinderSize
     center: Vector = ZERO_VECTOR
@@ -85,7 +108,18 @@ class Cylinder(Entry):
 @BODY_SHAPES.in_files("sphere")
 @entry()
 class Sphere(Entry):
-    """A sphere of a radius [m] about a center (3,) [m]."""
+    """A sphere.
+
+    Parameters
+    ----------
+    radius : float [m]
+    center : (3,) [m]
+
+    Examples
+    --------
+    >>> Sphere(0.1).radius
+    0.1
+    """
 
     radius: Annotated[Positive, NameInFile("sphere")]
     center: Vector = ZERO_VECTOR
@@ -100,7 +134,24 @@ class Sphere(Entry):
 class Surface(Entry):
     """The facets of a file that meshio reads, STL or another.
 
-    Its coordinates, times `scale` [m], are in body axes from a point at `center` (3,) [m].
+    Parameters
+    ----------
+    file : path
+    scale : float [m]
+        The unit of its coordinates.
+    center : (3,) [m]
+        Where its origin is, in body axes.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import meshio
+    >>> import numpy as np
+    >>> corners = np.array([[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [0.0, 100.0, 0.0]])
+    >>> with TemporaryDirectory() as folder:
+    ...     meshio.Mesh(corners, {"triangle": [[0, 1, 2]]}).write(f"{folder}/fin.vtu")
+    ...     float(Surface(f"{folder}/fin.vtu", scale=1e-3).outline.points.max().round(6))
+    0.2
     """
 
     file: Annotated[FilePath, NameInFile("stl")]
@@ -153,15 +204,7 @@ def _read(path: str) -> Any:
         raise ModelError(f"stl: {path}: not a readable surface: {why}") from error
 
 
-def _shape(value: Any) -> BodyShape:
-    if isinstance(value, Box | Cylinder | Sphere | Surface):
-        return value
-    shape: BodyShape = read_member(BODY_SHAPES, value)
-    return shape
-
-
+_SHAPES = "a shape: Box, Cylinder, Sphere or Surface"
 AnyBodyShape = Annotated[
-    BodyShape,
-    BODY_SHAPES,
-    FieldSpec("a shape: Box, Cylinder, Sphere or Surface", _shape, Any),
+    BodyShape, BODY_SHAPES, member(BODY_SHAPES, _SHAPES, Box | Cylinder | Sphere | Surface)
 ]

@@ -7,11 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
-from pydantic import ConfigDict, Field, create_model, model_validator
+from pydantic import ConfigDict, Field, create_model
 
 from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
-from ...inputs import InputError, Table, Vector, document_of, quoted, read_table, toml_of
+from ...inputs import Table, Vector, document_of, quoted, read_table, rule, toml_of
 from ...superelement import Superelement, read
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -86,8 +86,8 @@ class _Body(Table):
     rigid: bool | None = None
     second_order: SecondOrder | None = None
 
-    @model_validator(mode="after")
-    def _rigid_or_flexible(self) -> "_Body":
+    @rule
+    def _rigid_or_flexible(self) -> None:
         # Those that a rigid body alone has; keys of the start belong to both kinds.
         keys, brought = present_keys(self), keys_of(RigidBody).keys() - keys_of(Start).keys()
         if self.superelement is not None and (both := [key for key in keys if key in brought]):
@@ -109,7 +109,6 @@ class _Body(Table):
             )
         if self.superelement is None and not {"mass", "inertia"} <= keys.keys():
             raise ValueError("expected mass and inertia of a rigid body, or superelement")
-        return self
 
 
 def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
@@ -172,7 +171,17 @@ ENTRY_FAMILIES = SIGNAL_FORMS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVAL_FORMS
 
 
 def model_schema() -> dict[str, Any]:
-    """The JSON schema of model files, by which editors complete and check them."""
+    """The JSON schema of model files, by which editors complete and check them.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> model_schema()["title"]
+    'A model file of Duhamel'
+    """
     tables = {family: tables_of(family) for family in ENTRY_FAMILIES}
     families = {family.title: definition(family, own) for family, own in tables.items()}
     members = [table for own in tables.values() for table in own.values()]
@@ -182,14 +191,22 @@ def model_schema() -> dict[str, Any]:
 def read_model(path: str | os.PathLike[str]) -> Model:
     """Read a model file and the superelements that it names.
 
-    Paths of superelements are relative to the model file. A superelement named by several bodies is
-    read once. ModelError names the file, the key and the value found there.
+    Parameters
+    ----------
+    path : path
+        Paths of superelements are relative to it. One that several bodies name is read once.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ModelError
+        Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
-    try:
-        file, text = read_table(path, _model_file())
-    except InputError as error:
-        raise ModelError(str(error)) from error
+    file, text = read_table(path, _model_file(), ModelError)
     # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
         return _model(file, text, path)
@@ -202,10 +219,29 @@ def write_model(path: AnyPath, model: Model, /) -> None: ...
 def write_model(model: Any, path: Any, /) -> None:
     """Write a model as a file that reads back to an equal one; it appears whole or not at all.
 
-    `write_model(path, model)` is understood too. Superelements, and the run that it starts from,
-    are named by their paths, relative to the new file. ModelError names a body whose superelement
-    is in no file, a load, joint, motion or motor that follows a Python function, and a file that
-    cannot be written.
+    `write_model(path, model)` is understood too.
+
+    Parameters
+    ----------
+    model : Model
+    path : path
+        Superelements, and the run that the model starts from, are named by paths relative to it.
+
+    Raises
+    ------
+    ModelError
+        Names a body whose superelement is in no file; a load, joint, motion or motor that follows a
+        Python function; or a file that cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> model = Model({"ball": RigidBody(1.0, [0.1] * 3)}, settings=Settings(t_end=1.0, step=0.1))
+    >>> with TemporaryDirectory() as folder:
+    ...     write_model(model, f"{folder}/ball.toml")
+    ...     read_model(f"{folder}/ball.toml").bodies["ball"].mass
+    1.0
     """
     model, path = object_and_path(model, path)
     path = Path(path)
@@ -224,21 +260,18 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
     settings = entry_of(Settings, simulation | {"output": file.output})
     if isinstance(settings.start, StartFrom):
         settings = replace(settings, start=settings.start.beside(path.parent))
-    contacts = value_of(file.contacts)
+    # Motions have no table of their kind, and files have both kinds of contacts in one array.
+    named = (name for name in ARRAYS_OF_TABLES if name not in ("motions", "contacts"))
+    entries = {name: value_of(getattr(file, name)) for name in named}
     return Model(
         bodies={
             name: _body(name, present_keys(body), path.parent, superelements)
             for name, body in file.bodies.items()
         },
-        joints=value_of(file.joints),
-        loads=value_of(file.loads),
-        springs=value_of(file.springs),
+        **entries,
         motions=tuple(_motion(present_keys(motion)) for motion in file.motions),
-        contacts=[one for one in contacts if isinstance(one, Contact)],
-        surface_contacts=[one for one in contacts if isinstance(one, SurfaceContact)],
-        stops=value_of(file.stops),
-        couplers=value_of(file.couplers),
-        motors=value_of(file.motors),
+        contacts=_contacts(file, Contact),
+        surface_contacts=_contacts(file, SurfaceContact),
         gravity=gravity,
         ground_frames=value_of(file.ground.frames),
         settings=settings,
@@ -265,6 +298,10 @@ def _body(
         return FlexibleBody(superelements[source], start, str(source), second_order)
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
+
+
+def _contacts(file: _ModelFile, kind: type[Entry]) -> tuple[Any, ...]:
+    return tuple(value_of(table) for table in file.contacts if table.entry is kind)
 
 
 def _motion(values: dict[str, Any]) -> Any:
@@ -320,7 +357,7 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
     if isinstance(body, RigidBody):
         return table_in_file(body)
     if not body.source:
-        raise ModelError(f"body {name!r}: its superelement is in no file: write it to one first")
+        raise ModelError(f"body {name!r}: its superelement is not in a file: write it to one first")
     chosen: dict[str, Any] = {}
     if isinstance(body, RigidSuperelement):
         chosen = {"rigid": True}

@@ -18,9 +18,14 @@ LOADS = Kinds()
 
 @entry()
 class Load(Entry, metaclass=ByType):
-    """A load on a frame, whose force or moment one of the kinds of solver/step/loads.py gives.
+    """A load on a frame: the base of `Force`, `Torque` and `Drag`, which have examples.
 
-    on: "BODY.FRAME", or "BODY" for its center of mass.
+    For a new kind of load see docs/extending.md; for an example, `Force`.
+
+    Parameters
+    ----------
+    on : str
+        "BODY.FRAME", or "BODY" for its center of mass.
     """
 
     label = "load ({type}) on {on!r}"
@@ -93,9 +98,22 @@ class DirectedLoad(Load):
 @LOADS.in_files("force")
 @entry()
 class Force(DirectedLoad):
-    """A force [N] at the origin of a frame: signal(t) times `direction`, whose length counts.
+    """A force at the origin of a frame: signal(t) times `direction`, whose length counts.
 
-    direction (3,): in space, or in the axes of the frame with follower = True.
+    Parameters
+    ----------
+    on : str
+        "BODY.FRAME", or "BODY" for its center of mass.
+    direction : (3,)
+        In space, or in the axes of the frame if it is a follower.
+    signal : signal [N]
+    follower : bool
+
+    Examples
+    --------
+    >>> from duhamel.solver import HalfSine
+    >>> Force("beam.tip", [0.0, 1.0, 0.0], HalfSine(200.0, duration=1e-3)).follower
+    False
     """
 
     kind: ClassVar[Any] = compiled.Force
@@ -104,9 +122,22 @@ class Force(DirectedLoad):
 @LOADS.in_files("torque")
 @entry()
 class Torque(DirectedLoad):
-    """A torque [N m] on a frame: signal(t) times `direction`, whose length counts.
+    """A torque on a frame: signal(t) times `direction`, whose length counts.
 
-    direction (3,): in space, or in the axes of the frame with follower = True.
+    Parameters
+    ----------
+    on : str
+        "BODY.FRAME", or "BODY" for its center of mass.
+    direction : (3,)
+        In space, or in the axes of the frame if it is a follower.
+    signal : signal [N m]
+    follower : bool
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant
+    >>> Torque("hub", [0.0, 0.0, 1.0], Constant(5.0)).on
+    'hub'
     """
 
     kind: ClassVar[Any] = compiled.Torque
@@ -119,8 +150,20 @@ class Drag(Load):
 
         f = -signal(t) (linear + quadratic |v|) v
 
-    linear [N s/m]; quadratic [N s^2/m^2]: of a body in a flow 1/2 density area coefficient; signal:
-    a factor of time, by default 1.
+    Parameters
+    ----------
+    on : str
+        "BODY.FRAME", or "BODY" for its center of mass.
+    quadratic : float [N s^2/m^2]
+        Of a body in a flow 1/2 density area coefficient.
+    linear : float [N s/m]
+    signal : signal
+        A factor, by default 1.
+
+    Examples
+    --------
+    >>> Drag("sail", quadratic=0.6).linear
+    0.0
     """
 
     kind: ClassVar[Any] = compiled.Drag
@@ -131,7 +174,7 @@ class Drag(Load):
 
     def validate(self) -> None:
         if self.quadratic == 0.0 and self.linear == 0.0:
-            raise self.error("expected quadratic or linear of more than 0, found none")
+            raise self.error("expected quadratic or linear greater than 0, found neither")
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -143,7 +186,20 @@ class Drag(Load):
 class PatternLoad(Entry):
     """A load pattern of a flexible body: signal(t) times the loads of its body file.
 
-    They turn with the body. body: its name; pattern: that of [loads.NAME] in its body file.
+    The loads turn with the body.
+
+    Parameters
+    ----------
+    body : str
+    pattern : str
+        That of [loads.NAME] in its body file.
+    signal : signal
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant
+    >>> PatternLoad("wing", "lift", Constant(1.0)).pattern
+    'lift'
     """
 
     label = "load (pattern) on {body!r}"

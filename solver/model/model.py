@@ -31,14 +31,36 @@ Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
 
 @entry()
 class Model(Entry):
-    """A mechanism: bodies by name, and what is between them.
-
-    That is joints, springs, motions, loads, contacts, stops, motors and couplers.
+    """A mechanism: bodies by name, and what acts between them.
 
     Couplings without a name are numbered, as "revolute 2", the second revolute joint.
-    gravity (3,) [m/s^2]: the acceleration of a free body; ground_frames: frames fixed in space;
-    settings: how to integrate its motion, by default for one second; source, path: the text of the
-    model file and its name, if there is one.
+
+    Parameters
+    ----------
+    bodies : mapping of RigidBody, FlexibleBody or RigidSuperelement
+        By name.
+    joints, loads, springs, motions, contacts, stops, motors, couplers, surface_contacts : sequence
+    gravity : (3,) [m/s^2]
+        The acceleration of a free body.
+    ground_frames : mapping of Frame
+        Frames fixed in space, by name: "ground.NAME".
+    settings : Settings
+        How to integrate the motion, by default for one second.
+    source, path : str
+        The text of the model file and its name, if there is one.
+
+    Raises
+    ------
+    ModelError
+        For names that do not fit each other.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Revolute, RigidBody
+    >>> arm = RigidBody(1.0, [0.1, 0.1, 0.1], {"pin": [0.0, 0.0, 0.5]})
+    >>> model = Model({"arm": arm}, joints=[Revolute("ground", "arm.pin", axis=[0.0, 1.0, 0.0])])
+    >>> [joint.name for joint in model.joints]
+    ['revolute 1']
     """
 
     bodies: Mapping[str, Body]
@@ -85,6 +107,7 @@ class Model(Entry):
         """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
         parts = {kind: getattr(self, kind) for kind in kinds}
+        # Files, and so their readers, know one array of contacts.
         parts["contacts"] = (*self.contacts, *self.surface_contacts)
         return parts
 
@@ -137,12 +160,7 @@ class Model(Entry):
         if not self.bodies:
             raise ModelError("bodies: expected at least one body, got none")
         for name, body in self.bodies.items():
-            if name == GROUND or not is_name(name):
-                other = ", other than 'ground'" if name == GROUND else ""
-                raise ModelError(
-                    f"bodies: a body cannot be named {quoted(name)}: "
-                    f"expected {FORM_OF_NAMES}{other}"
-                )
+            _check_name("bodies", "body", name)
             _check_frame_names(f"body {name!r}", body.frames)
         _check_frame_names("ground", self.ground_frames)
 
@@ -177,12 +195,7 @@ class Model(Entry):
         names: set[str] = set()
         for kind, couplings in groups.items():
             for coupling in couplings:
-                if not is_name(coupling.name):
-                    words = kind.replace("_", " ")
-                    raise ModelError(
-                        f"{kind}s: a {words} cannot be named {quoted(coupling.name)}: "
-                        f"expected {FORM_OF_NAMES}"
-                    )
+                _check_name(f"{kind}s", kind.replace("_", " "), coupling.name)
                 if coupling.name in names:
                     raise ModelError(
                         f"{', '.join(f'{kind}s' for kind in groups if kind != 'surface_contact')}: "
@@ -258,7 +271,7 @@ class Model(Entry):
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():
                     raise ModelError(
-                        f"body {name!r}: {key}: start = 'equilibrium' allows none but "
+                        f"body {name!r}: {key}: start = 'equilibrium' takes no velocity but "
                         f"steady_rotation, got {velocity.tolist()}"
                     )
         for joint in self.joints:
@@ -291,10 +304,16 @@ class Model(Entry):
 
 def _check_frame_names(owner: str, frames: Iterable[str]) -> None:
     for frame in frames:
-        if not is_name(frame):
-            raise ModelError(
-                f"{owner}: a frame cannot be named {quoted(frame)}: expected {FORM_OF_NAMES}"
-            )
+        _check_name(owner, "frame", frame)
+
+
+def _check_name(owner: str, kind: str, name: str) -> None:
+    is_ground = kind == "body" and name == GROUND
+    if is_ground or not is_name(name):
+        other = ", other than 'ground'" if is_ground else ""
+        raise ModelError(
+            f"{owner}: a {kind} cannot be named {quoted(name)}: expected {FORM_OF_NAMES}{other}"
+        )
 
 
 def numbered(kind: str, entries: tuple[Any, ...], taken: set[str]) -> tuple[Any, ...]:

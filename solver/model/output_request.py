@@ -1,8 +1,8 @@
 """The steps and quantities that a run records."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
+from ...inputs.errors import did_you_mean
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import Count, Words
@@ -14,11 +14,24 @@ ALWAYS_RECORDED, NODES = "solver", "surface_nodes"
 class OutputRequest(Entry):
     """The steps and quantities that a run records.
 
-    every: one step in so many, besides the first and the last; quantities: by default all. They
-    are groups of results: "bodies", "frames/beam.tip", "joints/pivot", "springs", "energy",
-    "momentum". Times and the iterations of Newton's method are recorded always.
-    Energies and momenta are summed over every step, recorded or not. nodes: of contacts of
-    surfaces also the pressure, gap and displacement of every node, which are many numbers.
+    Times and the iterations of Newton's method are always recorded. Energies and momenta are summed
+    over every step, recorded or not.
+
+    Parameters
+    ----------
+    every : int
+        One step in so many, besides the first and the last.
+    quantities : sequence of str, optional
+        Groups of results, by default all: "bodies", "frames/beam.tip", "joints/pivot", "springs",
+        "energy", "momentum".
+    nodes : bool
+        Of contacts of surfaces also the pressure, gap and displacement of every node, which are
+        many numbers.
+
+    Examples
+    --------
+    >>> OutputRequest(every=10, quantities=["bodies"]).every
+    10
     """
 
     label = "output"
@@ -48,8 +61,7 @@ class OutputRequest(Entry):
             if name not in known:
                 # The list of groups of a large model is long: the nearest name is what a user looks
                 # for.
-                near = get_close_matches(name, known, n=1)
-                meant = f"; did you mean {near[0]!r}?" if near else ""
+                meant = did_you_mean(name, known)
                 raise ModelError(
                     f"output: quantities: no {name!r}; there are: {', '.join(known)}{meant}"
                 )

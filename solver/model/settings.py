@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from ...inputs import Shown
-from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Family
-from ..schema.tables import read_member
+from ..schema.tables import member
 from ..schema.values import (
     ZERO_VECTOR,
     Count,
@@ -26,7 +25,16 @@ from .output_request import OutputRequest
 class SteadyRotation(Entry):
     """A rotation of all bodies as one.
 
-    angular_velocity (3,) [rad/s], about the point center (3,) [m], both in space.
+    Parameters
+    ----------
+    angular_velocity : (3,) [rad/s]
+    center : (3,) [m]
+        A point of the axis; both in space.
+
+    Examples
+    --------
+    >>> SteadyRotation((0.0, 0.0, 50.0)).center.tolist()
+    [0.0, 0.0, 0.0]
     """
 
     label = "steady_rotation"
@@ -37,7 +45,18 @@ class SteadyRotation(Entry):
 
 @entry(eq=True)
 class StartFrom(Entry):
-    """The state at the end of another run, by the path of its results file."""
+    """The state at the end of another run.
+
+    Parameters
+    ----------
+    path : path
+        Its results file.
+
+    Examples
+    --------
+    >>> StartFrom("spinup.h5").path.endswith("spinup.h5")
+    True
+    """
 
     label = "start"
 
@@ -96,53 +115,64 @@ class EverySteps(Entry):
     every: Count
 
 
-def _interval(value: Any) -> Seconds | EverySteps:
-    if isinstance(value, Seconds | EverySteps):
-        return value
-    try:
-        interval: Seconds | EverySteps = read_member(INTERVAL_FORMS, value)
-    except ModelError as error:
-        raise ValueError from error
-    return interval
-
-
 Interval = Annotated[
     Seconds | EverySteps,
     INTERVAL_FORMS,
-    FieldSpec("seconds or {'every': steps}", _interval, Any),
+    member(INTERVAL_FORMS, "seconds or {'every': steps}", Seconds | EverySteps),
 ]
 
 
 @entry(kw_only=True)
 class Settings(Entry):
-    """The settings of a simulation from t = 0 to t_end [s], in equal steps.
+    """The settings of a simulation in equal steps from t = 0.
 
-    step [s], rho_inf: by default those of the superelements; rho_inf, the spectral radius at
-    infinite frequency, is at most 0.99 in a model with joints or motions. rule: of convolution,
-    "consistent" or "paper" (eq. 55). history: "auto" (the cheapest), "recursive", "direct" or
-    "fft", which give the same motion. kernel_length [s]: impulse responses are faded out and end
-    there (those that modes carry do not). tolerance: of Newton's method, relative to the forces
-    and displacements of a step. fixed_iterations: the largest number of iterations in a step, which
-    ends there without an error, for steps of bounded cost; by default it converges within
-    max_iterations or fails.
+    Parameters
+    ----------
+    t_end : float [s]
+    step : float, optional [s]
+        By default that of the superelements, as rho_inf.
+    contact_step : float, optional [s]
+        A whole fraction of `step`: steps of this size are taken from where a contact or stop may
+        close in the next step until all are open. Flexible bodies need modes then: their history is
+        recursive.
+    rho_inf : float, optional
+        The spectral radius at infinite frequency, at most 0.99 in a model with joints or motions.
+    rule : {"consistent", "paper"}
+        Of convolution; that of the paper is eq. (55).
+    history : {"auto", "recursive", "direct", "fft"}
+        How displacements by past loads are computed; "auto" is the cheapest. All give the same
+        motion.
+    kernel_length : float, optional [s]
+        Impulse responses are faded out and end there (those that modes carry do not).
+    tolerance : float
+        Of Newton's method, relative to the forces and displacements of a step.
+    max_iterations : int
+        A step that has not converged by then is an error.
+    fixed_iterations : int, optional
+        A step ends after so many iterations without an error, for steps of bounded cost.
+    start : {"given", "equilibrium"} or StartFrom
+        As the bodies say; or at rest, or in a steady rotation, under gravity and the loads at t =
+        0, elastic displacements included: positions and joint coordinates are then the first guess,
+        and velocities are refused. From another run, bodies of the same name continue with their
+        motion, vibration and past, and so does time.
+    steady_rotation : SteadyRotation, optional
+        Of an equilibrium. It continues as it starts if gravity, and loads that do not follow, act
+        along its axis.
+    assemble : bool
+        Close joints however far they are open at the start, otherwise by no more than a thousandth
+        of the size of the model.
+    redundant : {"error", "remove"}
+        What happens to constraints that depend on one another.
+    checkpoint : float [s] or {"every": int}, optional
+        How often the state is kept beside the results file, so that the run can continue from it:
+        in wall time, or in steps.
+    output : OutputRequest
+        What is recorded.
 
-    contact_step [s]: from where a contact or stop may close in the next step until all are open,
-    steps of this size, a whole fraction of `step`. Flexible bodies need modes then, for history is
-    recursive.
-
-    start: "given", as the bodies say, or "equilibrium", at rest, or in a `steady_rotation`, under
-    gravity and the loads at t = 0, elastic displacements included; positions and joint coordinates
-    are then the first guess, and velocities are refused. A steady rotation goes on as it starts
-    if gravity and loads that do not follow act along its axis. Or {"from": FILE}, the end of the
-    run with these results: bodies of the same name go on with their motion, vibration and past, and
-    so does time.
-
-    assemble: close joints however far they are open at the start (otherwise by no more than a
-    thousandth of the size of the model). redundant: constraints that depend on one another are an
-    "error", or the solver may "remove" them. output: what is recorded.
-
-    checkpoint: how often the state is kept beside the results file, so that the run can go on from
-    it: seconds of wall time, or {"every": steps}.
+    Examples
+    --------
+    >>> Settings(t_end=2.0, step=1e-3).tolerance
+    1e-10
     """
 
     t_end: PositiveTime
@@ -167,6 +197,6 @@ class Settings(Entry):
             raise self.error("steady_rotation: needs start = 'equilibrium'")
         if self.contact_step is not None and self.history not in ("auto", "recursive"):
             raise self.error(
-                "contact_step: needs recursive history, by modes, which hold for any step; "
+                "contact_step: needs recursive history, as only modes serve two sizes of steps; "
                 f"got history = {self.history!r}"
             )

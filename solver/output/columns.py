@@ -1,9 +1,9 @@
 """The output of the time loop, and the entries of results as columns of it."""
 
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
 from itertools import pairwise
 
+from ...inputs.errors import did_you_mean
 from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
 from ...results.dimensions import Axis
 from ...results.motion import OWNERS_OF_GROUP, QUANTITIES
@@ -155,9 +155,7 @@ def check_names(lowered: LoweredModel, names: Iterable[str]) -> None:
     known = available(lowered)
     for name in names:
         if name not in known:
-            near = get_close_matches(name, known, n=3)
-            meant = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
-            raise ModelError(f"outputs: no {name!r}{meant}")
+            raise ModelError(f"outputs: no {name!r}{did_you_mean(name, known, n=3)}")
 
 
 def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:

@@ -85,6 +85,8 @@ def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[st
     found = step * (samples.sum() - 0.5 * (samples[0] + samples[-1]))
     once, _ = Integrals(signal)(t[[0, -1]])
     fine = distinct(np.concatenate([t, breaks]))
+    # Between them too: a pulse within a step is zero at both ends.
+    fine = np.sort(np.concatenate([fine, 0.5 * (fine[1:] + fine[:-1])]))
     # Not the area itself: that of a sine over its periods is zero.
     scale = float(np.trapezoid(np.abs(values_of(signal, fine)), fine))
     if abs(found - (once[1] - once[0])) > MISSED_AREA * scale:

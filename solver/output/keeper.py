@@ -121,9 +121,11 @@ def read_checkpoint(path: Path) -> StateFile:
     file = unfinished(resolved(path))
     state = checkpoint_of(file)
     if not file.exists():
-        raise StateError(f"{file}: no such file: there is no run to go on with")
+        raise StateError(f"{file}: no such file: there is no run to continue")
     if not state.exists():
-        raise StateError(f"{state}: no such file: the run kept no state ([simulation] checkpoint)")
+        raise StateError(
+            f"{state}: no such file: the run saved no state: set [simulation] checkpoint"
+        )
     return read_state(state)
 
 

@@ -29,13 +29,13 @@ class FieldSpec:
     """An annotation: the values that a field accepts, described by `what` in messages.
 
     store: converts a given value to the stored one; ValueError or TypeError for any other value.
-    in_file: the type of the value in a model file; to_file: converts the stored value to it; found:
-    quotes a value in messages.
+    in_file: the type of the value in a model file, where no family tells it; to_file: converts the
+    stored value to it; found: quotes a value in messages.
     """
 
     what: str | Callable[[], str]
     store: Callable[[Any], Any]
-    in_file: Any
+    in_file: Any = Any
     to_file: Callable[[Any], Any] | None = None
     found: Callable[[Any], str] = lambda value: quoted(plain(value))
 

@@ -1,5 +1,6 @@
 """Families of entries that model files distinguish: by the key `type`, or by which key is there."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -10,7 +11,14 @@ AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
 
 
 class Kinds(dict[str, Any]):
-    """The classes of entries that stand in one array of tables, by its key `type`."""
+    """The classes of entries that share one array of tables, by the value of its key `type`.
+
+    Examples
+    --------
+    >>> from duhamel.solver import JOINTS, LOADS
+    >>> JOINTS["revolute"].__name__, sorted(LOADS)
+    ('Revolute', ['drag', 'force', 'pattern', 'torque'])
+    """
 
     def in_files(self, tag: str) -> Callable[[AnyEntryType], AnyEntryType]:
         """Make an entry known to model files: a table with type = tag."""
@@ -29,6 +37,14 @@ class ByType(type):
     So `Joint("pin", "revolute", ["ground", "arm"], [0, 0, 1])` of earlier versions still is a
     `Revolute`. A kind itself is made as any class.
     """
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        # Otherwise help() and notebooks would show that of the call below, which takes anything.
+        if "of_type" in vars(cls):
+            return inspect.signature(cls.of_type)  # type: ignore[attr-defined]
+        made = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return made.replace(parameters=list(made.parameters.values())[1:])
 
     def __call__(cls, *args: Any, **given: Any) -> Any:
         # Here, before __init__, since dataclasses.replace makes its copies by this call as well.

@@ -1,7 +1,7 @@
 """Entries as tables of a model file, by the specifications of their fields."""
 
-import difflib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import MISSING, Field, fields, replace
 from functools import cache
 from types import UnionType
@@ -12,6 +12,7 @@ from pydantic import Discriminator, Tag, create_model
 from pydantic import Field as PydanticField
 
 from ...inputs import Shown, Table, dotted, member_of, quoted, read_part
+from ...inputs.errors import did_you_mean
 from ..errors import ModelError
 from .entry import (
     DefaultInFile,
@@ -61,7 +62,8 @@ def tables_by_key(otherwise: type[Entry], **by_key: type[Entry]) -> Any:
 
     # In parentheses, by which messages know that they are no keys.
     def kind_of(table: Any) -> str:
-        return f"({next((key for key in by_key if key in table), '')})"
+        keys = table if isinstance(table, Mapping) else ()
+        return f"({next((key for key in by_key if key in keys), '')})"
 
     members: dict[str, Any] = {"": otherwise, **by_key}
     tables = tuple(Annotated[table_of(kind), Tag(f"({key})")] for key, kind in members.items())
@@ -100,24 +102,18 @@ def entry_of(kind: type[AnyEntry], table: Mapping[str, Any]) -> AnyEntry:
     values: dict[str, Any] = {}
     declaring: Any = kind
     former = {name: key for key, name in former_keys(declaring).items() if key in table}
-    try:
+    with _owned(kind, table):
         table = renamed(table, former_keys(declaring))
-    except ModelError as error:
-        raise _owned(kind, table, str(error)) from error
     for field, hint in declared(kind):
         if note(hint, Flattened):
-            try:
+            with _owned(kind, values):
                 values[field.name] = entry_of(_bare(hint), table)
-            except ModelError as error:
-                raise _owned(kind, values, str(error)) from error
         elif item := note(hint, ItemOf):
             # Two fields, frame_a and frame_b, share one key, `between`.
             values[field.name] = table[item.key][item.number]
         elif (key := key_of(field, hint)) in table:
-            try:
+            with _owned(kind, values, f"{field.name}: "):
                 values[field.name] = _read(hint, table[key])
-            except ValueError as error:
-                raise _owned(kind, values, f"{field.name}: {error}") from error
         elif (left_out := note(hint, DefaultInFile)) is not None:
             values[field.name] = left_out.value
     try:
@@ -164,9 +160,14 @@ def _holds_tables(value: Any) -> bool:
     return any(isinstance(item, Mapping) for item in items)
 
 
-def _owned(kind: type[Entry], values: Mapping[str, Any], message: str) -> ModelError:
-    """An error of an entry of which some values are known, its name among them."""
-    return ModelError(f"{kind.named(values)}: {message}" if kind.label else message)
+@contextmanager
+def _owned(kind: type[Entry], values: Mapping[str, Any], key: str = "") -> Iterator[None]:
+    """Name an entry in errors of its key; some of its values are known, its name among them."""
+    try:
+        yield
+    except ValueError as error:
+        owner = f"{kind.named(values)}: " if kind.label else ""
+        raise ModelError(f"{owner}{key}{error}") from error
 
 
 def value_of(value: Any) -> Any:
@@ -237,12 +238,18 @@ def read_member(family: Family, value: Any) -> Any:
         fit = [forms for forms in known if set(keys) <= set(_table_of_forms(forms).model_fields)]
         return _entry_of_forms((fit or known)[0], value)
     # None of its keys is known, so that the most likely mistake is a misspelled one.
-    nearest = [near for key in keys for near in difflib.get_close_matches(key, family.forms, n=1)]
-    meant = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    meant = next(filter(None, (did_you_mean(key, family.forms) for key in keys)), "")
     form = "a table" if family.number is None else "a number or a table"
     raise ValueError(
         f"expected {form} with one of the keys {', '.join(family.forms)}, "
         f"found {quoted(value)}{meant}"
+    )
+
+
+def member(family: Family, what: str, kinds: Any) -> FieldSpec:
+    """The specification of a field that takes a member of a family, or its form in a file."""
+    return FieldSpec(
+        what, lambda value: value if isinstance(value, kinds) else read_member(family, value)
     )
 
 

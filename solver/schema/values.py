@@ -35,6 +35,8 @@ AXIS_WORDS = {
 # relative to the largest entry: what a file written with ten digits leaves
 SYMMETRY_TOLERANCE = 1e-9
 Item = TypeVar("Item")
+Stored = TypeVar("Stored", covariant=True)
+Accepted = TypeVar("Accepted", contravariant=True)
 
 
 def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> FieldSpec:
@@ -50,43 +52,21 @@ def number(what: str, kind: type, allowed: Callable[[Any], bool]) -> FieldSpec:
     return FieldSpec(what, store, Annotated[kind, AfterValidator(store), expected(what)])
 
 
-Positive = Annotated[
-    float,
-    number(
-        "a positive number, 1e-100 to 1e100",
-        float,
-        lambda x: 1.0 / LARGEST_NUMBER <= x <= LARGEST_NUMBER,
-    ),
-]
-NotZero = Annotated[
-    float,
-    number(
-        "a number other than 0, of magnitude 1e-100 to 1e100",
-        float,
-        lambda x: 1.0 / LARGEST_NUMBER <= abs(x) <= LARGEST_NUMBER,
-    ),
-]
-NotNegative = Annotated[
-    float,
-    number("a number of at least 0, up to 1e100", float, lambda x: 0.0 <= x <= LARGEST_NUMBER),
-]
+def _is_positive(x: float) -> bool:
+    return 1.0 / LARGEST_NUMBER <= x <= LARGEST_NUMBER
+
+
+Positive = Annotated[float, number("a positive number, 1e-100 to 1e100", float, _is_positive)]
+PositiveTime = Annotated[float, number("a positive time, 1e-100 to 1e100", float, _is_positive)]
+_NOT_ZERO = "a number other than 0, of magnitude 1e-100 to 1e100"
+NotZero = Annotated[float, number(_NOT_ZERO, float, lambda x: _is_positive(abs(x)))]
+_NOT_NEGATIVE = "a number of at least 0, up to 1e100"
+NotNegative = Annotated[float, number(_NOT_NEGATIVE, float, lambda x: 0.0 <= x <= LARGEST_NUMBER)]
+_ZERO_OR_POSITIVE = "0, or a number from 1e-100 to 1e100"
 ZeroOrPositive = Annotated[
-    float,
-    number(
-        "0, or a number from 1e-100 to 1e100",
-        float,
-        lambda x: x == 0.0 or 1.0 / LARGEST_NUMBER <= x <= LARGEST_NUMBER,
-    ),
+    float, number(_ZERO_OR_POSITIVE, float, lambda x: x == 0.0 or _is_positive(x))
 ]
 AtLeastOne = Annotated[float, number("a number from 1 to 100", float, lambda x: 1.0 <= x <= 100.0)]
-PositiveTime = Annotated[
-    float,
-    number(
-        "a positive time, 1e-100 to 1e100",
-        float,
-        lambda t: 1.0 / LARGEST_NUMBER <= t <= LARGEST_NUMBER,
-    ),
-]
 Fraction = Annotated[float, number("a number from 0 to 1", float, lambda x: 0.0 <= x <= 1.0)]
 Tolerance = Annotated[float, number("a number between 0 and 1", float, lambda x: 0.0 < x < 1.0)]
 Count = Annotated[int, number("1 to 1e9", int, lambda n: 1 <= n <= 10**9)]
@@ -157,15 +137,12 @@ def some_numbers(value: Any) -> tuple[float, ...]:
 
 def frame_name(value: Any) -> str:
     """The name of a frame, or of what has one, as handles of bodies and frames do."""
-    name = getattr(value, "frame_name", value)
-    if not isinstance(name, str):
-        raise TypeError
-    return name
+    return name_of(value, "frame_name")
 
 
-def name_of(value: Any) -> str:
+def name_of(value: Any, attribute: str = "name") -> str:
     """A name, or that of what has one, as a joint or the handle of a body."""
-    name = getattr(value, "name", value)
+    name = getattr(value, attribute, value)
     if not isinstance(name, str):
         raise TypeError
     return name
@@ -232,13 +209,12 @@ def some_non_zero(value: Any) -> tuple[float, ...]:
     return stored
 
 
+def _in_files_too(what: str, store: Callable[[Any], Any]) -> FieldSpec:
+    return FieldSpec(what, store, Annotated[tuple[float, ...], AfterValidator(store)])
+
+
 SomeNonZero = Annotated[
-    tuple[float, ...],
-    FieldSpec(
-        "one or more numbers other than 0",
-        some_non_zero,
-        Annotated[tuple[float, ...], AfterValidator(some_non_zero)],
-    ),
+    tuple[float, ...], _in_files_too("one or more numbers other than 0", some_non_zero)
 ]
 Name = Annotated[str, DefaultInFile("")]
 """a name; what has none in a file is numbered"""
@@ -247,17 +223,9 @@ NumbersByName = Annotated[
 ]
 Infinite = Annotated[float, AllowInfNan(True), inputs.Shown(lambda: {"type": ["number", "null"]})]
 """a number in a file that may be infinite, which editors take for null: JSON has no infinity"""
-Limits = Annotated[
-    tuple[float, float],
-    FieldSpec(
-        "a lower and a higher number, of which one may be infinite",
-        limits,
-        Annotated[
-            tuple[Infinite, Infinite],
-            expected("two numbers"),
-        ],
-    ),
-]
+_LIMITS = "a lower and a higher number, of which one may be infinite"
+_TwoLimits = Annotated[tuple[Infinite, Infinite], expected("two numbers")]
+Limits = Annotated[tuple[float, float], FieldSpec(_LIMITS, limits, _TwoLimits)]
 Words = Annotated[tuple[str, ...], FieldSpec("names", names, tuple[str, ...])]
 
 
@@ -277,84 +245,31 @@ class Named(Protocol):
 
 if TYPE_CHECKING:
 
-    class FrameName:
-        """A frame, or the name of one; the name."""
+    class Converted(Generic[Stored, Accepted]):
+        """A field to type checkers: it takes arguments of one type, and stores another."""
 
-        def __get__(self, owner: Any, kind: Any = None) -> str: ...
-        def __set__(self, owner: Any, value: str | Framed) -> None: ...
+        def __get__(self, owner: Any, kind: Any = None) -> Stored: ...
+        def __set__(self, owner: Any, value: Accepted) -> None: ...
 
-    class BodyName:
-        """A body or joint, or the name of one; the name."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> str: ...
-        def __set__(self, owner: Any, value: str | Named) -> None: ...
-
-    class JointNames:
-        """Joints, or their names; the names."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[str, ...]: ...
-        def __set__(self, owner: Any, value: Sequence[str | Named]) -> None: ...
-
-    class Pair:
-        """Two frames, or their names; the names."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[str, str]: ...
-        def __set__(self, owner: Any, value: Sequence[str | Framed]) -> None: ...
-
-    class Direction:
-        """Three numbers that are not all zero, or "x", "y", "z"; a unit vector (3,)."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
-        def __set__(self, owner: Any, value: ArrayLike | str) -> None: ...
-
-    class AxisOrVector:
-        """Three numbers, or "x", "y", "z"; an array (3,), whose length counts."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
-        def __set__(self, owner: Any, value: ArrayLike | str) -> None: ...
-
-    class Vector:
-        """Three numbers; an array (3,)."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array: ...
-        def __set__(self, owner: Any, value: ArrayLike) -> None: ...
-
-    class OptionalDirection:
-        """Three numbers that are not all zero, or "x", "y", "z"; a unit vector (3,)."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
-        def __set__(self, owner: Any, value: ArrayLike | str | None) -> None: ...
-
-    class OptionalPoints:
-        """Pairs of numbers; an array (n, 2)."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
-        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
-
-    class OptionalArray:
-        """Numbers; an array (n,)."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> Array | None: ...
-        def __set__(self, owner: Any, value: ArrayLike | None) -> None: ...
-
-    class Numbers:
-        """A sequence of numbers; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[float, ...]: ...
-        def __set__(self, owner: Any, value: Sequence[float] | Array) -> None: ...
-
-    class Several(Generic[Item]):
-        """Any number of items; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[Item, ...]: ...
-        def __set__(self, owner: Any, value: Iterable[Item]) -> None: ...
-
+    # Each: what an attribute is, and what an argument may be.
+    FrameName = Converted[str, str | Framed]
     FrameA = FrameName
     FrameB = FrameName
+    BodyName = Converted[str, str | Named]
     JointName = BodyName
+    JointNames = Converted[tuple[str, ...], Sequence[str | Named]]
+    Pair = Converted[tuple[str, str], Sequence[str | Framed]]
+    Vector = Converted[Array, ArrayLike]
     Inertia = Vector
     Coefficients = Vector
+    Direction = Converted[Array, ArrayLike | str]
+    AxisOrVector = Direction
+    OptionalDirection = Converted[Array | None, ArrayLike | str | None]
+    OptionalPoints = Converted[Array | None, ArrayLike | None]
+    OptionalArray = OptionalPoints
+    Numbers = Converted[tuple[float, ...], Sequence[float] | Array]
     SomeNumbers = Numbers
+    Several = Converted[tuple[Item, ...], Iterable[Item]]
 else:
     _TwoFrames = Annotated[tuple[str, str], expected("the names of two frames")]
     FrameName = Annotated[str, FieldSpec("the name of a frame", frame_name, str)]
@@ -375,28 +290,12 @@ else:
         np.ndarray, FieldSpec("three numbers that are not all zero", direction, inputs.Vector)
     ]
     OptionalDirection = Direction | None
-    OptionalArray = (
-        Annotated[np.ndarray, FieldSpec("numbers", array, float | tuple[float, ...])] | None
-    )
-    OptionalPoints = (
-        Annotated[np.ndarray, FieldSpec("pairs of numbers", points, tuple[_Point, ...])] | None
-    )
+    _ARRAY = FieldSpec("numbers", array, float | tuple[float, ...])
+    OptionalArray = Annotated[np.ndarray, _ARRAY] | None
+    _POINTS = FieldSpec("pairs of numbers", points, tuple[_Point, ...])
+    OptionalPoints = Annotated[np.ndarray, _POINTS] | None
     Numbers = Annotated[tuple[float, ...], FieldSpec("numbers", numbers, tuple[float, ...])]
-    SomeNumbers = Annotated[
-        tuple[float, ...],
-        FieldSpec(
-            "one or more numbers",
-            some_numbers,
-            Annotated[tuple[float, ...], AfterValidator(some_numbers)],
-        ),
-    ]
-    Inertia = Annotated[
-        np.ndarray,
-        FieldSpec(
-            "three principal values or a symmetric 3x3 matrix",
-            inertia,
-            _Inertia,
-            shortest,
-        ),
-    ]
+    SomeNumbers = Annotated[tuple[float, ...], _in_files_too("one or more numbers", some_numbers)]
+    _INERTIA = "three principal values or a symmetric 3x3 matrix"
+    Inertia = Annotated[np.ndarray, FieldSpec(_INERTIA, inertia, _Inertia, shortest)]
     Coefficients = Annotated[np.ndarray, FieldSpec("numbers", array, _Coefficients, shortest)]

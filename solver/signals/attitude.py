@@ -16,13 +16,12 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import FieldSpec
 from ..schema.forms import Members
-from .signal import SIGNAL_FORMS, SmoothSignal, is_smooth, values_of
+from .jets import Jet
+from .signal import SIGNAL_FORMS, Pointwise, SmoothSignal, is_smooth, values_of
 
 # Closed forms divide differences that cancel by a^2 to a^4. Below, the series of nine terms is
 # exact to rounding.
 SERIES_ANGLE_SQUARED = 1e-2
-Moving = tuple[Array, Array, Array]
-"""a value with its first and second derivative in time"""
 _I, _J, _K = np.eye(3)
 
 
@@ -37,7 +36,7 @@ def _three_signals(value: Any) -> tuple[SmoothSignal, SmoothSignal, SmoothSignal
 Attitudes = Annotated[
     tuple[SmoothSignal, SmoothSignal, SmoothSignal] | None,
     Members(SIGNAL_FORMS),
-    FieldSpec("three smooth signals", _three_signals, Any),
+    FieldSpec("three smooth signals", _three_signals),
 ]
 
 
@@ -50,15 +49,13 @@ class Attitude:
     _last: dict[bytes, Array] = field(default_factory=dict, repr=False, compare=False)
     """the last sampled rotations, which nine components share"""
 
-    def rotation(self, t: float) -> Moving:
+    def rotation(self, t: float) -> Jet:
         """R, R' and R'' (3, 3) at time t [s]."""
-        values = np.array([[signal(t), *signal.derivatives(t)] for signal in self.signals])
+        jets = [Jet.of(signal, t) for signal in self.signals]
         if self.form == "vector":
-            return _exponential((values[:, 0], values[:, 1], values[:, 2]))
-        first, second, third = (
-            _about(axis, value) for axis, value in zip((_I, _J, _K), values, strict=True)
-        )
-        return _product(_product(first, second), third)
+            return _exponential(Jet(*map(np.array, zip(*jets, strict=True))))
+        first, second, third = map(_about, (_I, _J, _K), jets)
+        return first @ second @ third
 
     def rotations(self, t: Array) -> Array:
         """R (n, 3, 3) at times t (n,)."""
@@ -76,7 +73,7 @@ class Attitude:
 
 
 @dataclass(frozen=True, eq=False)
-class Component:
+class Component(Pointwise):
     """row . R(t) e_i, a signal."""
 
     attitude: Attitude
@@ -84,10 +81,7 @@ class Component:
     row: Array
 
     def __call__(self, t: float) -> float:
-        return float(self.row @ self.attitude.rotation(t)[0][:, self.i])
-
-    def samples(self, t: Array, h: float) -> Array:
-        return self.values_at(t)
+        return float(self.row @ self.attitude.rotation(t).value[:, self.i])
 
     def values_at(self, t: Array) -> Array:
         # no product of BLAS: its rounding of a row may depend on the number of rows
@@ -126,49 +120,29 @@ def _turns(axis: Array, angles: Array) -> Array:
     return R
 
 
-def _product(A: Moving, B: Moving) -> Moving:
-    return (
-        A[0] @ B[0],
-        A[1] @ B[0] + A[0] @ B[1],
-        A[2] @ B[0] + 2.0 * A[1] @ B[1] + A[0] @ B[2],
-    )
-
-
-def _about(axis: Array, angle: Array) -> Moving:
-    """exp(angle axis~) for an angle with its derivatives (3,)."""
-    a, rate, acceleration = angle.tolist()
+def _about(axis: Array, angle: Jet) -> Jet:
+    """exp(angle axis~)."""
+    a, rate, acceleration = map(float, angle)
     S, P = _skew(axis), np.eye(3) - np.outer(axis, axis)
     # Derivatives by the angle; the chain rule follows below.
     slope = math.cos(a) * S - math.sin(a) * P
     curvature = -math.sin(a) * S - math.cos(a) * P
     R = np.outer(axis, axis) + math.cos(a) * P + math.sin(a) * S
-    return R, rate * slope, acceleration * slope + rate**2 * curvature
+    return Jet(R, rate * slope, acceleration * slope + rate**2 * curvature)
 
 
-def _exponential(w: Moving) -> Moving:
+def _exponential(w: Jet) -> Jet:
     """exp(w~) = 1 + s w~ + c w~ w~, with s and c functions of x = w . w."""
-    x = float(w[0] @ w[0]), 2.0 * float(w[0] @ w[1]), 2.0 * float(w[0] @ w[2] + w[1] @ w[1])
+    x, rate = w.value @ w.value, 2.0 * (w.value @ w.rate)
+    acceleration = 2.0 * (w.value @ w.acceleration + w.rate @ w.rate)
     # Functions of x = a^2, not of a: they are smooth at zero, where a = |w| is not.
-    s, c = _coefficients(x[0])
-    W: Moving = (_skew(w[0]), _skew(w[1]), _skew(w[2]))
-    R = [np.eye(3), np.zeros((3, 3)), np.zeros((3, 3))]
-    for coefficient, power in ((s, W), (c, _product(W, W))):
-        moving = (
-            np.array(coefficient[0]),
-            np.array(coefficient[1] * x[1]),
-            np.array(coefficient[2] * x[1] ** 2 + coefficient[1] * x[2]),
-        )
-        for k, part in enumerate(_scaled(moving, power)):
-            R[k] = R[k] + part
-    return R[0], R[1], R[2]
-
-
-def _scaled(f: Moving, A: Moving) -> Moving:
-    return (
-        f[0] * A[0],
-        f[1] * A[0] + f[0] * A[1],
-        f[2] * A[0] + 2.0 * f[1] * A[1] + f[0] * A[2],
+    s, c = (
+        Jet(np.array(f), first * rate, second * rate**2 + first * acceleration)
+        for f, first, second in _coefficients(float(x))
     )
+    W = Jet(*map(_skew, w))
+    one = Jet(np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)))
+    return one + s * W + c * (W @ W)
 
 
 def _coefficients(x: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:

@@ -10,7 +10,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.forms import Members
 from .curves import Impulse, Input
-from .sampling import samples_of
+from .sampling import Averaged
 from .signal import (
     SIGNAL_FORMS,
     AnySignal,
@@ -35,27 +35,18 @@ def _signals(value: Any) -> tuple[Signal, ...]:
 
 
 if TYPE_CHECKING:
+    from ..schema.values import Converted
 
-    class Parts:
-        """One or more signals; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...]: ...
-        def __set__(self, owner: Any, value: Iterable[Signal]) -> None: ...
-
-    class OptionalParts:
-        """Signals, or none; a tuple."""
-
-        def __get__(self, owner: Any, kind: Any = None) -> tuple[Signal, ...] | None: ...
-        def __set__(self, owner: Any, value: Iterable[Signal] | None) -> None: ...
-
+    Parts = Converted[tuple[Signal, ...], Iterable[Signal]]
+    OptionalParts = Converted[tuple[Signal, ...] | None, Iterable[Signal] | None]
 else:
     Parts = Annotated[
-        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals, Any)
+        tuple[Signal, ...], Members(SIGNAL_FORMS), FieldSpec("a list of signals", _signals)
     ]
     OptionalParts = Parts | None
 
 
-class _Composed(Smooth):
+class _Composed(Smooth, Averaged):
     """The base of signals that are composed of parts."""
 
     @property
@@ -80,18 +71,22 @@ class _Composed(Smooth):
     def values_at(self, t: Array) -> Array:
         raise NotImplementedError
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
-    def samples(self, t: Array, h: float) -> Array:
-        signal: Any = self
-        return samples_of(signal, t, h)
-
 
 @SIGNAL_FORMS.in_files("sum")
 @entry(eq=True)
 class Sum(_Composed, Entry):
-    """The sum of signals."""
+    """The sum of signals.
+
+    Parameters
+    ----------
+    signals : sequence of signals
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant, Polynomial
+    >>> Sum([Constant(1.0), Polynomial([0.0, 2.0])])(3.0)
+    7.0
+    """
 
     signals: Annotated[Parts, NameInFile("sum")]
 
@@ -124,7 +119,18 @@ class Sum(_Composed, Entry):
 @SIGNAL_FORMS.in_files("product")
 @entry(eq=True)
 class Product(_Composed, Entry):
-    """The product of signals, as of one and a window, or a number."""
+    """The product of signals, as of one and a window.
+
+    Parameters
+    ----------
+    signals : sequence of signals
+
+    Examples
+    --------
+    >>> from duhamel.solver import Constant, Polynomial
+    >>> Product([Constant(3.0), Polynomial([0.0, 2.0])])(1.0)
+    6.0
+    """
 
     signals: Annotated[Parts, NameInFile("product")]
 
@@ -164,7 +170,20 @@ class Product(_Composed, Entry):
 @SIGNAL_FORMS.in_files("delay")
 @entry(eq=True)
 class Delayed(_Composed, Entry):
-    """A signal that comes later by `delay` [s], or earlier where that is below zero."""
+    """A signal that comes later.
+
+    Parameters
+    ----------
+    delay : float [s]
+        Below zero: earlier.
+    signal : signal
+
+    Examples
+    --------
+    >>> from duhamel.solver import Polynomial
+    >>> Delayed(1.0, Polynomial([0.0, 2.0]))(3.0)
+    4.0
+    """
 
     delay: float
     signal: Annotated[AnySignal, NameInFile("of")]

@@ -18,7 +18,7 @@ from .pieces import Pieces
 from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
 
-class Piecewise:
+class Piecewise(Pointwise):
     """Signals that are polynomials between times."""
 
     @property
@@ -42,12 +42,20 @@ class Piecewise:
 @SIGNAL_FORMS.bare_number
 @entry(eq=True)
 class Constant(Smooth, Pointwise, Entry):
-    """A constant value."""
+    """A constant value.
+
+    Parameters
+    ----------
+    value : float
+        In the unit of what follows the signal, as in all signals.
+
+    Examples
+    --------
+    >>> Constant(3.0)(0.5)
+    3.0
+    """
 
     value: float
-
-    def __call__(self, t: float) -> float:
-        return self.value
 
     def values_at(self, t: Array) -> Array:
         return np.full(t.shape, self.value)
@@ -62,18 +70,25 @@ class Constant(Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("times")
 @entry(eq=True)
 class Steps(Piecewise, Entry):
-    """A staircase: values[i] from times[i] on, 0 before the first."""
+    """A staircase: values[i] from times[i] on, 0 before the first.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Steps([0.0, 1.0], [2.0, 5.0])(0.5)
+    2.0
+    """
 
     times: Numbers
     values: Numbers
 
     def validate(self) -> None:
         _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        # side="right": at its own time a step has its new value.
-        index = int(np.searchsorted(self.times, t, side="right"))
-        return self.values[index - 1] if index else 0.0
 
     @property
     def jumps(self) -> tuple[float, ...]:
@@ -97,17 +112,26 @@ class Steps(Piecewise, Entry):
 
 @SIGNAL_FORMS.in_files("times", flag="linear")
 @entry(eq=True)
-class Table(Piecewise, Pointwise, Entry):
-    """A table: linear between the points (times, values), constant outside."""
+class Table(Piecewise, Entry):
+    """A table: linear between the points, constant outside.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Table([0.0, 1.0], [0.0, 4.0])(0.25)
+    1.0
+    """
 
     times: Numbers
     values: Numbers
 
     def validate(self) -> None:
         _check_table(self.times, self.values)
-
-    def __call__(self, t: float) -> float:
-        return float(np.interp(t, self.times, self.values))
 
     def values_at(self, t: Array) -> Array:
         return np.interp(t, self.times, self.values)
@@ -127,11 +151,22 @@ class Table(Piecewise, Pointwise, Entry):
 
 @SIGNAL_FORMS.in_files("times", flag="spline")
 @entry(eq=True)
-class Spline(Piecewise, Smooth, Pointwise, Entry):
-    """The natural cubic spline through the points (times, values), for measured motions.
+class Spline(Smooth, Piecewise, Entry):
+    """The natural cubic spline through points, for measured motions.
 
     It is the smoothest curve through them. Its second derivative is zero at both ends, beyond which
-    it goes on straight, so that it drives joints without jumps of velocity or acceleration.
+    it continues straight, so that it drives joints without jumps of velocity or acceleration.
+
+    Parameters
+    ----------
+    times : (n,) [s]
+        Ascending.
+    values : (n,)
+
+    Examples
+    --------
+    >>> Spline([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])(1.0)
+    1.0
     """
 
     times: Numbers
@@ -155,9 +190,6 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
             raise _too_steep(self.times)
         object.__setattr__(self, "_spline", spline)
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
     def values_at(self, t: Array) -> Array:
         within = np.clip(t, self.times[0], self.times[-1])
         values: Array = self._spline(within) + self._spline(within, 1) * (t - within)
@@ -179,15 +211,25 @@ class Spline(Piecewise, Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("amplitude")
 @entry(eq=True)
 class Harmonic(Smooth, Pointwise, Entry):
-    """A sine: offset + amplitude sin(2 pi frequency t + phase); frequency [Hz], phase [rad]."""
+    """A sine: offset + amplitude sin(2 pi frequency t + phase).
+
+    Parameters
+    ----------
+    amplitude : float
+    frequency : float [Hz]
+    phase : float [rad]
+    offset : float
+
+    Examples
+    --------
+    >>> round(Harmonic(2.0, frequency=1.0)(0.25), 6)
+    2.0
+    """
 
     amplitude: float
     frequency: float
     phase: float = 0.0
     offset: float = 0.0
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def derivatives_at(self, t: Array) -> tuple[Array, Array]:
         omega = 2.0 * np.pi * self.frequency
@@ -208,21 +250,25 @@ class Harmonic(Smooth, Pointwise, Entry):
 
 @SIGNAL_FORMS.in_files("polynomial")
 @entry(eq=True)
-class Polynomial(Piecewise, Smooth, Pointwise, Entry):
-    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ..."""
+class Polynomial(Smooth, Piecewise, Entry):
+    """A polynomial in time: c_0 + c_1 t + c_2 t^2 + ...
+
+    Parameters
+    ----------
+    coefficients : (n,)
+        c_k [unit/s^k].
+
+    Examples
+    --------
+    >>> Polynomial([1.0, 2.0])(3.0)
+    7.0
+    """
 
     coefficients: Annotated[SomeNumbers, NameInFile("polynomial")]
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
-    def values_at(self, t: Array) -> Array:
-        values: Array = np.polynomial.Polynomial(self.coefficients)(t)
-        return values
-
     def derivatives_at(self, t: Array) -> tuple[Array, Array]:
-        polynomial = np.polynomial.Polynomial(self.coefficients)
-        return polynomial.deriv(1)(t), polynomial.deriv(2)(t)
+        rate = self.pieces.derivative()
+        return rate(t), rate.derivative()(t)
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -233,7 +279,21 @@ class Polynomial(Piecewise, Smooth, Pointwise, Entry):
 @SIGNAL_FORMS.in_files("impulse")
 @entry(eq=True)
 class Impulse(Entry):
-    """A given area (an impulse [N s] of a force) at the step nearest to time `at`."""
+    """A given area, concentrated at the step nearest to a time.
+
+    Parameters
+    ----------
+    area : float
+        Of a force the impulse [N s].
+    at : float [s]
+
+    Examples
+    --------
+    Its samples times the step have that area:
+
+    >>> float(0.1 * Impulse(3.0, at=0.2).samples(np.arange(5) * 0.1, 0.1).sum().round(6))
+    3.0
+    """
 
     area: Annotated[float, NameInFile("impulse")]
     at: float
@@ -258,7 +318,18 @@ class Impulse(Entry):
 @SIGNAL_FORMS.in_files("pulse")
 @entry(eq=True)
 class Pulse(Piecewise, Entry):
-    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere."""
+    """A rectangular pulse: `value` from `start` to `end`, 0 elsewhere.
+
+    Parameters
+    ----------
+    value : float
+    start, end : float [s]
+
+    Examples
+    --------
+    >>> Pulse(5.0, start=1.0, end=2.0)(1.5)
+    5.0
+    """
 
     value: Annotated[float, NameInFile("pulse")]
     start: Annotated[float, NameInFile("from")]
@@ -269,9 +340,6 @@ class Pulse(Piecewise, Entry):
             raise ModelError(
                 f"a pulse must end after it starts, got start = {self.start}, end = {self.end}"
             )
-
-    def __call__(self, t: float) -> float:
-        return self.value if self.start <= t < self.end else 0.0
 
     @property
     def jumps(self) -> tuple[float, ...]:
@@ -288,16 +356,23 @@ class Pulse(Piecewise, Entry):
 @SIGNAL_FORMS.in_files("input")
 @entry(eq=True)
 class Input(Smooth, Pointwise, Entry):
-    """A signal whose values a `Simulator` receives step by step, by its name.
+    """A signal whose values a `Simulator` receives step by step.
 
-    value: at t = 0, and always in `simulate`.
+    Parameters
+    ----------
+    name : str
+        By which `Simulator.inputs` lists it.
+    value : float
+        At t = 0, and always in `simulate`.
+
+    Examples
+    --------
+    >>> Input("torque", value=0.5)(0.0)
+    0.5
     """
 
     name: Annotated[str, NameInFile("input")]
     value: float = 0.0
-
-    def __call__(self, t: float) -> float:
-        return self.value
 
     def values_at(self, t: Array) -> Array:
         return np.full(t.shape, self.value)
@@ -310,15 +385,21 @@ class Input(Smooth, Pointwise, Entry):
 class Function(Pointwise, Entry):
     """Any Python function of time, sampled at the steps, its jumps included.
 
-    vectorized: it is called with arrays of times and returns arrays of values, of many steps at
-    once; by default it is called with one time after the other.
+    Parameters
+    ----------
+    function : callable
+        Of the time [s].
+    vectorized : bool
+        The function takes an array of times and returns an array of values, of many steps at once.
+
+    Examples
+    --------
+    >>> Function(lambda t: 2.0 * t)(3.0)
+    6.0
     """
 
     function: Callable[[Any], Any]
     vectorized: bool = field(default=False, kw_only=True)
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def values_at(self, t: Array) -> Array:
         return self._called(self.function, t)
@@ -340,7 +421,21 @@ class Function(Pointwise, Entry):
 
 @entry(eq=True)
 class SmoothFunction(Smooth, Function):
-    """A Python function of time with its first and second derivative; it can drive joints."""
+    """A Python function of time with its first and second derivative; it can drive joints.
+
+    Parameters
+    ----------
+    function, rate, acceleration : callable
+        Of the time [s].
+    vectorized : bool
+        The functions take and return arrays.
+
+    Examples
+    --------
+    >>> square = SmoothFunction(lambda t: t**2, rate=lambda t: 2.0 * t, acceleration=lambda t: 2.0)
+    >>> square.derivatives(3.0)
+    (6.0, 2.0)
+    """
 
     rate: Callable[[Any], Any]
     acceleration: Callable[[Any], Any]

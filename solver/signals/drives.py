@@ -18,7 +18,7 @@ from ..errors import ModelError
 from .composed import has_slope, slope_of
 from .curves import Constant, Impulse, Input, Polynomial
 from .quadrature import Integrals
-from .signal import Signal, SmoothSignal, is_any, jumps_of, parts_of
+from .signal import Pointwise, Signal, SmoothSignal, is_any, jumps_of, parts_of
 
 
 class DriveKeys(NamedTuple):
@@ -48,7 +48,7 @@ class _Driven(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class IntegratedDrive:
+class IntegratedDrive(Pointwise):
     """A coordinate whose velocity (order 1) or acceleration (order 2) follows a signal.
 
     start, rate: the coordinate and its rate at t = 0; by velocity the rate is that of the signal.
@@ -75,12 +75,6 @@ class IntegratedDrive:
             raise self.error(str(error)) from error
         # Integrals are from 0, so that what is left are the values at the start.
         return self.start + self.rate * t + moved
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array([t]))[0])
-
-    def samples(self, t: Array, h: float) -> Array:
-        return self.values_at(t)
 
     def derivatives(self, t: float) -> tuple[float, float]:
         if self.order == 1:

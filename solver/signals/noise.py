@@ -105,9 +105,6 @@ class _Noise(Smooth, Pointwise):
         """The root of the mean square."""
         return float(np.sqrt(0.5 * (self.lines.amplitude**2).sum()))
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
-
     def values_at(self, t: Array) -> Array:
         return self._sum(t, lambda times: (np.sin(self.lines.omega * times + self.lines.phase),))[0]
 
@@ -141,8 +138,21 @@ class _Noise(Smooth, Pointwise):
 class Noise(_Noise, Entry):
     """Noise of a constant power spectral density within a band.
 
-    density: one-sided, the square of the unit per Hz; band [Hz]; period: the time after which it
-    repeats itself [s], best longer than the run; seed: another one, another noise of the same kind.
+    Parameters
+    ----------
+    density : float [unit^2/Hz]
+        One-sided.
+    band : (2,) [Hz]
+    period : float [s]
+        The time after which the noise repeats itself; choose it longer than the run.
+    seed : int
+        Another seed gives another noise of the same density.
+
+    Examples
+    --------
+    >>> noise = Noise(2.0, band=(1.0, 50.0), period=10.0)
+    >>> noise(1.0) == Noise(2.0, band=(1.0, 50.0), period=10.0)(1.0)
+    True
     """
 
     density: Annotated[NotNegative, NameInFile("noise")]
@@ -163,8 +173,20 @@ class Noise(_Noise, Entry):
 class ShapedNoise(_Noise, Entry):
     """Noise of a power spectral density given at some frequencies.
 
-    spectrum: pairs of a frequency [Hz] and the one-sided density there, the square of the unit per
-    Hz, straight between them where both are logarithmic, zero outside. period, seed: as of `Noise`.
+    Parameters
+    ----------
+    spectrum : (n, 2)
+        Frequencies [Hz] and the one-sided density there [unit^2/Hz]; straight between them on
+        logarithmic axes, zero outside.
+    period : float [s]
+    seed : int
+        See `Noise` for both.
+
+    Examples
+    --------
+    >>> random = ShapedNoise([(10.0, 0.1), (100.0, 1.0)], period=10.0)
+    >>> abs(random(10.3) - random(0.3)) < 1e-9
+    True
     """
 
     spectrum: Spectrum

@@ -8,56 +8,20 @@ angles s = yaw, and two that mix all, hold in that orientation alone.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import ModelError
-from .signal import SmoothSignal, values_of
+from .jets import Jet, angle_between, cosine, sine
+from .signal import Pointwise, SmoothSignal, values_of
 
 # [rad] The rows are regular up to somewhat more.
 MAX_ANGLE = 1.0
 
 
-class Jet(NamedTuple):
-    """A function of time with its first and second derivative."""
-
-    value: Array
-    rate: Array
-    acceleration: Array
-
-    def __add__(self, other: "Jet") -> "Jet":  # type: ignore[override]
-        return Jet(*(a + b for a, b in zip(self, other, strict=True)))
-
-    def __mul__(self, other: "Jet") -> "Jet":  # type: ignore[override]
-        (a, da, dda), (b, db, ddb) = self, other
-        return Jet(a * b, da * b + a * db, dda * b + 2.0 * da * db + a * ddb)
-
-
-def sine(x: Jet) -> Jet:
-    s, c = np.sin(x.value), np.cos(x.value)
-    return Jet(s, c * x.rate, c * x.acceleration - s * x.rate**2)
-
-
-def cosine(x: Jet) -> Jet:
-    s, c = np.sin(x.value), np.cos(x.value)
-    return Jet(c, -s * x.rate, -s * x.acceleration - c * x.rate**2)
-
-
-def angle_between(y: Jet, x: Jet) -> Jet:
-    """atan2(y, x)."""
-    # d atan2(y, x) = (x dy - y dx) / (x^2 + y^2).
-    square = x.value**2 + y.value**2
-    rate = (x.value * y.rate - y.value * x.rate) / square
-    turning = x.value * y.acceleration - y.value * x.acceleration
-    growing = 2.0 * (x.value * x.rate + y.value * y.rate)
-    value: Array = np.arctan2(y.value, x.value)
-    return Jet(value, rate, (turning - growing * rate) / square)
-
-
 @dataclass(frozen=True, eq=False)
-class OrientationDrive:
+class OrientationDrive(Pointwise):
     """The drive of row `row`, 0 to 2, by the angles about x, y and z.
 
     owner: in messages.
@@ -71,16 +35,9 @@ class OrientationDrive:
         none = np.zeros(t.shape)
         return self._turn(t, [Jet(values_of(a, t), none, none) for a in self.angles]).value
 
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array([t]))[0])
-
-    def samples(self, t: Array, h: float) -> Array:
-        return self.values_at(t)
-
     def derivatives(self, t: float) -> tuple[float, float]:
-        angles = [np.array([a(t), *a.derivatives(t)])[:, None] for a in self.angles]
-        turn = self._turn(np.array([t]), [Jet(*angle) for angle in angles])
-        return float(turn.rate[0]), float(turn.acceleration[0])
+        turn = self._turn(np.array(t), [Jet.of(angle, t) for angle in self.angles])
+        return float(turn.rate), float(turn.acceleration)
 
     def _turn(self, t: Array, angles: list[Jet]) -> Jet:
         for axis, angle in zip("xyz", angles, strict=True):
@@ -88,8 +45,8 @@ class OrientationDrive:
                 k = int(np.argmax(beyond))
                 raise ModelError(
                     f"{self.owner}: angles: expected at most {MAX_ANGLE:g} rad, got "
-                    f"{angle.value[k]:.6g} about {axis} at t = {t[k]:.6g} s; driven joints in a "
-                    "row turn farther"
+                    f"{angle.value.flat[k]:.6g} about {axis} at t = {t.flat[k]:.6g} s; for larger "
+                    "angles use driven joints in series"
                 )
         roll, pitch, yaw = angles
         # Row (1, 2): R_21 / R_11 = tan(yaw) at any pitch and roll.

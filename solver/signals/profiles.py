@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, NameInFile, entry
 from ..schema.values import NotNegative, Positive, reals
-from .sampling import samples_of
+from .sampling import Averaged
 from .shapes import Shape, half_wave, quintic, raised_cosine, ramp, rise
 from .signal import SIGNAL_FORMS, Pointwise, Smooth
 
@@ -38,24 +38,19 @@ def _positive_pair(value: Any) -> tuple[float, float]:
     return first, second
 
 
-_IN_FILE = tuple[float, float]
-FromTo = Annotated[tuple[float, float], FieldSpec("two numbers, from and to", _pair, _IN_FILE)]
-Span = Annotated[tuple[float, float], FieldSpec("two times, start and end", _span, _IN_FILE)]
-Frequencies = Annotated[
-    tuple[float, float],
-    FieldSpec("two positive frequencies, from and to", _positive_pair, _IN_FILE),
-]
+_Two = tuple[float, float]
+FromTo = Annotated[_Two, FieldSpec("two numbers, from and to", _pair, _Two)]
+Span = Annotated[_Two, FieldSpec("two times, start and end", _span, _Two)]
+_FREQUENCIES = "two positive frequencies, from and to"
+Frequencies = Annotated[_Two, FieldSpec(_FREQUENCIES, _positive_pair, _Two)]
 
 
-class Profile:
+class Profile(Averaged):
     """A signal that changes between a few times, its corners, alone."""
 
     def terms(self, t: Array) -> Array:
         """Values, first and second derivatives, first and second antiderivatives (5, ...)."""
         raise NotImplementedError
-
-    def __call__(self, t: float) -> float:
-        return float(self.terms(np.array(t))[0])
 
     def values_at(self, t: Array) -> Array:
         values: Array = self.terms(t)[0]
@@ -70,10 +65,6 @@ class Profile:
         """The derivative, at a corner that after it."""
         return float(self.terms(np.array(t))[1])
 
-    def samples(self, t: Array, h: float) -> Array:
-        signal: Any = self
-        return samples_of(signal, t, h)
-
 
 class SmoothProfile(Smooth, Profile):
     """A profile without jumps of its derivative, which can drive joints."""
@@ -83,12 +74,15 @@ class SmoothProfile(Smooth, Profile):
         return rate, acceleration
 
 
-class _Step(SmoothProfile):
+@entry(eq=True)
+class _Step(SmoothProfile, Entry):
     """A step from one value to another over a time."""
 
-    shape: Shape
-    values: tuple[float, float]
-    over: tuple[float, float]
+    values: Annotated[FromTo, NameInFile("smooth_step")]
+    over: Span
+
+    # Subclasses may have another one.
+    shape = staticmethod(quintic)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -106,29 +100,45 @@ class _Step(SmoothProfile):
 
 @SIGNAL_FORMS.in_files("smooth_step")
 @entry(eq=True)
-class SmoothStep(_Step, Entry):
-    """A step from one value to another over a time, by 10 x^3 - 15 x^4 + 6 x^5.
+class SmoothStep(_Step):
+    """A step from one value to another by 10 x^3 - 15 x^4 + 6 x^5.
 
-    Rate and acceleration are zero at both ends; the largest rate is 15/8, the largest acceleration
-    10/sqrt(3) times the change over the duration, and over its square.
+    Rate and acceleration are zero at both ends. The largest rate is 15/8 of the change over the
+    duration, the largest acceleration 10/sqrt(3) of the change over its square.
+
+    Parameters
+    ----------
+    values : (2,)
+        Before and after the step.
+    over : (2,) [s]
+        Its begin and end.
+
+    Examples
+    --------
+    >>> SmoothStep((0.0, 2.0), over=(0.0, 1.0))(0.5)
+    1.0
     """
-
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
-
-    shape = staticmethod(quintic)
 
 
 @SIGNAL_FORMS.in_files("smooth_step", flag="haversine")
 @entry(eq=True)
-class Haversine(_Step, Entry):
-    """A step from one value to another over a time, by (1 - cos(pi x)) / 2.
+class Haversine(_Step):
+    """A step from one value to another by (1 - cos(pi x)) / 2.
 
     The rate is zero at both ends, where the acceleration jumps.
-    """
 
-    values: Annotated[FromTo, NameInFile("smooth_step")]
-    over: Span
+    Parameters
+    ----------
+    values : (2,)
+        Before and after the step.
+    over : (2,) [s]
+        Its begin and end.
+
+    Examples
+    --------
+    >>> round(Haversine((0.0, 2.0), over=(0.0, 1.0))(0.5), 6)
+    1.0
+    """
 
     shape = staticmethod(raised_cosine)
 
@@ -136,7 +146,18 @@ class Haversine(_Step, Entry):
 @SIGNAL_FORMS.in_files("half_sine")
 @entry(eq=True)
 class HalfSine(Profile, Entry):
-    """peak sin(pi (t - start) / duration) from `start` on for `duration`, 0 elsewhere."""
+    """Half a sine: peak sin(pi (t - start) / duration) during `duration`, 0 elsewhere.
+
+    Parameters
+    ----------
+    peak : float
+    duration, start : float [s]
+
+    Examples
+    --------
+    >>> HalfSine(200.0, duration=1e-3)(0.5e-3)
+    200.0
+    """
 
     peak: Annotated[float, NameInFile("half_sine")]
     duration: Positive
@@ -153,7 +174,22 @@ class HalfSine(Profile, Entry):
 @SIGNAL_FORMS.in_files("trapezoid")
 @entry(eq=True)
 class Trapezoid(Profile, Entry):
-    """A pulse that rises to `peak` in `rise`, and falls to 0 in the last `fall` of its duration."""
+    """A pulse with straight flanks, 0 elsewhere.
+
+    Parameters
+    ----------
+    peak : float
+    duration : float [s]
+        Of the whole pulse.
+    rise, fall : float [s]
+        Of its first and last flank.
+    start : float [s]
+
+    Examples
+    --------
+    >>> Trapezoid(8.0, duration=4.0, rise=1.0, fall=1.0)(0.5)
+    4.0
+    """
 
     peak: Annotated[float, NameInFile("trapezoid")]
     duration: Positive
@@ -181,7 +217,18 @@ class Trapezoid(Profile, Entry):
 @SIGNAL_FORMS.in_files("sawtooth")
 @entry(eq=True)
 class Sawtooth(Profile, Entry):
-    """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0."""
+    """A terminal-peak sawtooth: from 0 straight to `peak` at the end of `duration`, then 0.
+
+    Parameters
+    ----------
+    peak : float
+    duration, start : float [s]
+
+    Examples
+    --------
+    >>> Sawtooth(10.0, duration=2.0)(0.5)
+    2.5
+    """
 
     peak: Annotated[float, NameInFile("sawtooth")]
     duration: Positive
@@ -204,9 +251,19 @@ class Sawtooth(Profile, Entry):
 @SIGNAL_FORMS.in_files("window")
 @entry(eq=True)
 class Window(SmoothProfile, Entry):
-    """1 over a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
+    """1 during a time, 0 elsewhere, with smooth steps within it, as a factor of a product.
 
-    rise, fall: their durations [s].
+    Parameters
+    ----------
+    over : (2,) [s]
+        Begin and end.
+    rise, fall : float [s]
+        Durations of the steps.
+
+    Examples
+    --------
+    >>> Window((0.0, 4.0), rise=1.0, fall=1.0)(0.5)
+    0.5
     """
 
     over: Annotated[Span, NameInFile("window")]
@@ -249,13 +306,14 @@ def _check_flanks(what: str, duration: float, rise: float, fall: float) -> None:
         )
 
 
-class _Chirp(Smooth, Pointwise):
+@entry(eq=True)
+class _Chirp(Smooth, Pointwise, Entry):
     """amplitude sin(angle(t)), of a frequency that changes over a time and is constant outside."""
 
-    amplitude: float
-    frequencies: tuple[float, float]
-    over: tuple[float, float]
-    phase: float
+    amplitude: Annotated[float, NameInFile("chirp")]
+    frequencies: Frequencies
+    over: Span
+    phase: float = 0.0
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -265,9 +323,6 @@ class _Chirp(Smooth, Pointwise):
     def highest_frequency(self) -> float:
         """The highest frequency [Hz]."""
         return max(self.frequencies)
-
-    def __call__(self, t: float) -> float:
-        return float(self.values_at(np.array(t)))
 
     def values_at(self, t: Array) -> Array:
         values: Array = self.amplitude * np.sin(self._angles(t)[0])
@@ -298,16 +353,24 @@ class _Chirp(Smooth, Pointwise):
 
 @SIGNAL_FORMS.in_files("chirp")
 @entry(eq=True)
-class Chirp(_Chirp, Entry):
-    """A sine whose frequency [Hz] changes in proportion to time, over a time; constant outside.
+class Chirp(_Chirp):
+    """A sine whose frequency changes in proportion to time; constant outside.
 
-    phase: at the start of that [rad].
+    Parameters
+    ----------
+    amplitude : float
+    frequencies : (2,) [Hz]
+        At the begin and at the end.
+    over : (2,) [s]
+        Begin and end.
+    phase : float [rad]
+        At the begin.
+
+    Examples
+    --------
+    >>> round(Chirp(2.0, frequencies=(1.0, 3.0), over=(0.0, 1.0))(0.5), 6)
+    -2.0
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies
@@ -317,16 +380,24 @@ class Chirp(_Chirp, Entry):
 
 @SIGNAL_FORMS.in_files("chirp", flag="logarithmic")
 @entry(eq=True)
-class LogarithmicChirp(_Chirp, Entry):
-    """A sine whose frequency [Hz] changes by so many octaves a second; constant outside.
+class LogarithmicChirp(_Chirp):
+    """A sine whose frequency changes by so many octaves a second; constant outside.
 
-    phase: at the start of that [rad].
+    Parameters
+    ----------
+    amplitude : float
+    frequencies : (2,) [Hz]
+        At the begin and at the end.
+    over : (2,) [s]
+        Begin and end.
+    phase : float [rad]
+        At the begin.
+
+    Examples
+    --------
+    >>> LogarithmicChirp(2.0, frequencies=(1.0, 4.0), over=(0.0, 1.0))(0.0)
+    0.0
     """
-
-    amplitude: Annotated[float, NameInFile("chirp")]
-    frequencies: Frequencies
-    over: Span
-    phase: float = 0.0
 
     def _sweep(self, x: Array) -> tuple[Array, Array, Array]:
         (start, end), (first, last) = self.over, self.frequencies

@@ -103,7 +103,9 @@ class _Panels:
         middle = 0.5 * (start + end)
         values = values_of(self._signal, middle + 0.5 * (end - start) * _POINTS)
         if not np.isfinite(values).all() or len(self._series) >= most:
-            raise ModelError(f"this signal cannot be integrated about t = {middle:.6g} s")
+            raise ModelError(
+                f"the integral of this signal does not converge near t = {middle:.6g} s"
+            )
         series: Array = _TO_SERIES @ values
         self._largest = max(self._largest, float(np.abs(values).max()))
         tail = float(np.abs(series[-TAIL_COEFFICIENTS:]).max())

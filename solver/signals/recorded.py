@@ -1,6 +1,7 @@
 """Signals that were recorded: columns of text files, as of CSV."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -17,7 +18,7 @@ from ..schema.values import Positive
 from .columns import column_of, number_of_column
 from .curves import Piecewise, Spline, Table
 from .pieces import Pieces
-from .signal import SIGNAL_FORMS, Pointwise, Smooth
+from .signal import SIGNAL_FORMS, Smooth
 
 
 def _column(value: Any) -> str | int:
@@ -34,15 +35,20 @@ Column = Annotated[
 ]
 
 
-class _Recorded(Piecewise, Pointwise):
+@entry(eq=True)
+class _Recorded(Piecewise, Entry):
     """A column over another: scale x column at the times time_scale x time + shift."""
 
-    file: str
-    column: str | int
-    time: str | int
-    scale: float
-    time_scale: float
-    shift: float
+    file: FilePath
+    column: Column
+    scale: float = 1.0
+    time: Column = 1
+    time_scale: Positive = 1.0
+    shift: float = 0.0
+    points: tuple[Array, Array] = field(init=False, repr=False, compare=False)
+    """times [s] and values (n,)"""
+    digest: str = field(init=False, repr=False, compare=False)
+    """the SHA-256 of the file"""
 
     def validate(self) -> None:
         if number_of_column(self.file, self.time) == number_of_column(self.file, self.column):
@@ -58,11 +64,6 @@ class _Recorded(Piecewise, Pointwise):
         # kept, so that the signal stays as it was read
         object.__setattr__(self, "points", (at, scaled))
         object.__setattr__(self, "digest", sha256(self.file))
-
-    points: tuple[Array, Array]
-    """times [s] and values (n,)"""
-    digest: str
-    """the SHA-256 of the file"""
 
     @cached_property
     def curve(self) -> Table | Spline:
@@ -81,30 +82,40 @@ class _Recorded(Piecewise, Pointwise):
     def pieces(self) -> Pieces:
         return self.curve.pieces
 
-    def __call__(self, t: float) -> float:
-        return self.curve(t)
-
     def values_at(self, t: Array) -> Array:
         return self.curve.values_at(t)
 
 
 @SIGNAL_FORMS.in_files("file")
 @entry(eq=True)
-class Recorded(_Recorded, Entry):
-    """A column of a text file over its time, linear between the rows, constant outside.
+class Recorded(_Recorded):
+    r"""A column of a text file over its time, linear between the rows, constant outside.
 
         f = scale x column    at    time_scale x time + shift
 
-    file: its columns are separated by commas, semicolons, tabs or blanks, its first line may name
-    them, and # begins a comment; column, time: a name, or a number from 1 on; time is the first.
-    """
+    Parameters
+    ----------
+    file : path
+        Its columns are separated by commas, semicolons, tabs or blanks. The first line may name
+        them; # begins a comment.
+    column : str or int
+        A name, or a number from 1 on.
+    scale : float
+    time : str or int
+        The column of the time.
+    time_scale : float
+    shift : float [s]
 
-    file: FilePath
-    column: Column
-    scale: float = 1.0
-    time: Column = 1
-    time_scale: Positive = 1.0
-    shift: float = 0.0
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "shaker.csv"
+    ...     written = path.write_text("t, a\n0, 0\n1, 4\n")
+    ...     Recorded(path, "a", scale=9.81)(0.5)
+    19.62
+    """
 
     @cached_property
     def curve(self) -> Table:
@@ -118,15 +129,21 @@ class Recorded(_Recorded, Entry):
 
 @SIGNAL_FORMS.in_files("file", flag="spline")
 @entry(eq=True)
-class RecordedSpline(Smooth, _Recorded, Entry):
-    """The natural cubic spline through a column of a text file; see `Recorded` and `Spline`."""
+class RecordedSpline(Smooth, _Recorded):
+    r"""The natural cubic spline through a column of a text file; it can drive joints.
 
-    file: FilePath
-    column: Column
-    scale: float = 1.0
-    time: Column = 1
-    time_scale: Positive = 1.0
-    shift: float = 0.0
+    The parameters are those of `Recorded`, the curve is that of `Spline`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "shaker.csv"
+    ...     written = path.write_text("t, a\n0, 0\n1, 4\n2, 0\n")
+    ...     RecordedSpline(path, "a")(1.0)
+    4.0
+    """
 
     @cached_property
     def curve(self) -> Spline:
@@ -142,8 +159,8 @@ def records_of(part: Any) -> Iterator[Recorded | RecordedSpline]:
     if isinstance(part, Recorded | RecordedSpline):
         yield part
     elif isinstance(part, Entry):
-        for field, _ in declared(type(part)):
-            yield from records_of(getattr(part, field.name))
+        for key, _ in declared(type(part)):
+            yield from records_of(getattr(part, key.name))
     elif isinstance(part, Mapping):
         yield from records_of(tuple(part.values()))
     elif isinstance(part, tuple):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Index, as_index
-from .signal import Signal, breaks_of, corners_of, values_of
+from .signal import Pointwise, Signal, breaks_of, corners_of, values_of
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 """of Gauss' rule in each piece of half a hat, between the breaks of the signal"""
@@ -18,6 +18,13 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 CORNER_STEPS = 8.0
 # Between corners that are further apart sums of values have the area to 1e-6.
 LONG_SPAN_STEPS = 1000.0
+
+
+class Averaged(Pointwise):
+    """Signals that are sampled by means near their corners."""
+
+    def samples(self, t: Array, h: float) -> Array:
+        return samples_of(self, t, h)
 
 
 def samples_of(signal: Signal, t: Array, h: float) -> Array:

@@ -38,10 +38,13 @@ SIGNAL_FORMS = Family("signal")
 
 
 class Pointwise:
-    """Signals that are sampled by their values."""
+    """Signals that are sampled by their values.
+
+    A class has `values_at(t)` for times of any shape, or else a `__call__` of its own.
+    """
 
     def __call__(self, t: float) -> float:
-        raise NotImplementedError
+        return float(values_of(self, np.array(t)))
 
     def samples(self, t: Array, h: float) -> Array:
         return values_of(self, t)
@@ -134,7 +137,7 @@ def is_signal(value: Any) -> bool:
 
 
 AnySignal = Annotated[
-    Signal, SIGNAL_FORMS, FieldSpec("a signal such as Constant", _that(is_signal), Any)
+    Signal, SIGNAL_FORMS, FieldSpec("a signal such as Constant", _that(is_signal))
 ]
 DrivingSignal = Annotated[
     SmoothSignal,
@@ -143,7 +146,6 @@ DrivingSignal = Annotated[
         "a smooth signal (constant, harmonic, polynomial, spline, smooth step, chirp, noise, or of "
         "such parts)",
         _that(is_smooth),
-        Any,
         found=_class_name,
     ),
 ]

@@ -78,7 +78,10 @@ def fit_velocities(
     left = rates + B @ change
     if len(left) and np.abs(left).max() > 1e-8 * max(1.0, float(np.abs(rates).max())):
         owner = _owner(lowered, int(np.argmax(np.abs(left))), targets)
-        raise ModelError(f"{owner}: no velocities of rigid motion satisfy it at the start")
+        raise ModelError(
+            f"{owner}: no rigid-body velocities satisfy it at the start, with all other "
+            "joints, motions and starts: check axes, drives and rates"
+        )
     state.bodies.v[:] += change.reshape(-1, 6)
     return float(np.abs(change).max(initial=0.0))
 

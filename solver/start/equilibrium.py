@@ -74,7 +74,7 @@ def check_drives(lowered: LoweredModel) -> None:
     for d, i in enumerate(lowered.system.couplings.driven.tolist()):
         if accelerates[d]:
             raise ModelError(
-                f"{lowered.owner_of(i)}: start = 'equilibrium' takes drives without acceleration "
+                f"{lowered.owner_of(i)}: start = 'equilibrium' needs drives without acceleration "
                 f"at t = 0, got {accelerations[d]:.6g}"
             )
 

@@ -41,12 +41,14 @@ def predecessor(model: Model) -> StateFile | None:
     path = Path(start.path)
     beside = path.with_name(path.name + STATE_SUFFIX)
     if path.exists() and not beside.exists() and path.suffix != STATE_SUFFIX:
-        raise StateError(f"{beside}: no such file: the run kept no state ([simulation] checkpoint)")
+        raise StateError(
+            f"{beside}: no such file: the run saved no state: set [simulation] checkpoint"
+        )
     # The path may be that of results or of a state alone.
     state = read_state(beside if beside.exists() else path)
     # Results may have been overwritten after the state was kept.
     if path.exists() and beside.exists() and FileSource(path).run != state.run:
-        raise StateError(f"{path}: results of another run than the state beside them")
+        raise StateError(f"{path}: the results and the state beside them are of different runs")
     return state
 
 
@@ -109,7 +111,8 @@ def _check(lowered: LoweredModel, source: StateFile) -> None:
     for name, value in lowered.system.scheme.leaves():
         if identity.system.get(f"scheme/{name}") != digest_of(value):
             raise StateError(
-                f"simulation: start: the state is of another step, rho_inf or rule ({name})"
+                "simulation: start: the state was computed with another step, rho_inf or rule "
+                f"({name})"
             )
     _check_bodies(lowered, source)
     first, lags = int(source.snapshot.arrays["state/past/first"][0]), identity.kernels.values()
@@ -117,7 +120,9 @@ def _check(lowered: LoweredModel, source: StateFile) -> None:
     # Blocks of the convolution are powers of two: the state keeps loads as far as its own reach.
     own = power_above(int(lowered.system.elastic.kernels.lags.max(initial=0)))
     if first and own != span:
-        raise StateError("simulation: memory: the state has dropped loads that are older")
+        raise StateError(
+            "simulation: memory: expected that of the state, which has dropped older loads"
+        )
 
 
 def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
@@ -128,14 +133,19 @@ def _check_bodies(lowered: LoweredModel, source: StateFile) -> None:
             raise StateError(f"body {name!r}: was {_kind(was)}, is {_kind(now)}")
         if not now and name in identity.kernels:
             raise StateError(
-                f"body {name!r}: is not in this model, so that its stored energy is unknown"
+                f"body {name!r}: is missing from this model, so that its stored energy is unknown"
             )
     for name in flexible.keys() & identity.layout.n_e.keys():
         digest = digest_of(flexible[name].superelement)
         if identity.model[f"bodies.{name}.superelement"] != digest:
-            raise StateError(f"body {name!r}: another superelement, which has not the same past")
+            raise StateError(
+                f"body {name!r}: its superelement is not that of the state, so that the past does "
+                "not apply"
+            )
         if identity.model[f"bodies.{name}.second_order"] != (flexible[name].rotation is not None):
-            raise StateError(f"body {name!r}: second_order: had terms that it has not now, or none")
+            raise StateError(
+                f"body {name!r}: second_order: in use in only one of the state and this model"
+            )
     identity.check_kernels(lowered, flexible.keys() & identity.layout.n_e.keys())
 
 
@@ -169,11 +179,11 @@ def _check_closed(
             phi, limit = phi - opening[known[i]], max(limit, lowered.h * v_dot)
         if abs(phi) > MAX_NEW_OPENING * length:
             raise StateError(
-                f"{lowered.owner_of(i)}: is open by {abs(phi):.6g} {unit} where the state begins"
+                f"{lowered.owner_of(i)}: is open by {abs(phi):.6g} {unit} in the state"
             )
         same = i in known and lowered.coupling_names[lowered.coupling_of(i)] not in changed
         if not same and abs(rates[i]) > length / size * limit:
             raise StateError(
-                f"{lowered.owner_of(i)}: opens at {abs(rates[i]):.6g} {unit}/s where the state "
-                "begins: closing it would need an impulse"
+                f"{lowered.owner_of(i)}: opens at {abs(rates[i]):.6g} {unit}/s in the state: "
+                "closing it would need an impulse"
             )

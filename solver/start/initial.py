@@ -195,8 +195,8 @@ def _check_values(lowered: LoweredModel, work: Workspace) -> None:
         values = ", ".join(f"{v[d]:g}" for v in (drives.value, drives.rate, drives.acceleration))
         row = int(lowered.system.couplings.driven[d])
         raise ModelError(
-            f"{lowered.owner_of(row)}: expected numbers of its drive and its first and second "
-            f"derivative at the start, found {values}"
+            f"{lowered.owner_of(row)}: expected finite values of its drive and of both "
+            f"derivatives at the start, found {values}"
         )
 
 

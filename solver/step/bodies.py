@@ -77,6 +77,8 @@ def predict_bodies(scheme: Scheme, state: State, work: Workspace) -> None:
 def accelerate(scheme: Scheme, state: State, work: Workspace) -> None:
     """Positions and velocities that belong to v_dot, from those predicted for v_dot = 0."""
     motion, predicted = state.bodies, work.bodies
+    # A change of v_dot by beta' dx moves x by dx and v by gamma' dx: their ratio is the change of
+    # v.
     slope = scheme.gamma_prime / scheme.beta_prime
     for b in range(len(motion.x)):
         for i in range(6):
@@ -127,6 +129,7 @@ def set_rotation(b: int, state: State, work: Workspace) -> None:
     increment, product = work.bodies.increment, state.bodies.quaternion[b]
     quaternion_exponential(work.bodies.psi[b], increment)
     quaternion_product(work.bodies.quaternion_n[b], increment, product)
+    # Products of unit quaternions leave the unit sphere by rounding, which would add up over a run.
     normalize(product)
     quaternion_matrix(product, state.bodies.R[b])
 
@@ -149,6 +152,7 @@ def set_inertia_scales(bodies: Bodies, state: State, work: Workspace) -> None:
     """The force scales of all bodies, so far of inertia and gravity."""
     for b in range(len(bodies.mass)):
         inertia, gyroscopic = _inertia_moments(b, state, work)
+        # Magnitudes, not their sum: in free fall both cancel, and the scale would vanish with them.
         force = magnitude(row(state.bodies.v_dot, b)) + magnitude(triple(bodies.gravity, 0))
         work.bodies.force_scale[b, 0] = bodies.mass[b] * force
         work.bodies.force_scale[b, 1] = magnitude(inertia) + magnitude(gyroscopic)
@@ -207,6 +211,8 @@ def set_body_rhs(pattern: Pattern, h2: float, state: State, work: Workspace) -> 
     residual, rhs = work.bodies.residual, work.matrix.rhs
     for b in range(len(pattern.body)):
         first = pattern.first[pattern.body[b]]
+        # In body axes the matrix does not change as a mechanism turns, so that its factors serve
+        # many steps.
         force = rotate_back(state.bodies.R, b, row(residual, b))
         for i in range(3):
             rhs[first + i] = -h2 * force[i]
@@ -221,6 +227,7 @@ def largest_correction(pattern: Pattern, size: float, work: Workspace) -> float:
         first = pattern.first[pattern.body[b]]
         for i in range(3):
             translation = abs(work.matrix.rhs[first + i])
+            # An angle is weighed by the displacement that it causes at the edge of the model.
             rotation = size * abs(work.matrix.rhs[first + 3 + i])
             largest = max(largest, translation, rotation)
     return largest
@@ -243,6 +250,7 @@ def step_motion(scheme: Scheme, state: State, work: Workspace) -> tuple[float, f
     length, angle = 0.0, 0.0
     for b in range(len(motion.x)):
         for i in range(3):
+            # With the acceleration: where a body reverses, its velocity is zero but not its motion.
             length = max(length, abs(h * motion.v[b, i]) + abs(h * h * motion.v_dot[b, i]))
             rotation = abs(work.bodies.psi[b, i]) + abs(h * h * motion.v_dot[b, 3 + i])
             angle = max(angle, rotation)
@@ -299,6 +307,7 @@ def momentum(bodies: Bodies, state: State, work: Workspace, linear: Array, angul
     for b in range(len(bodies.mass)):
         mv = scale(bodies.mass[b], row(state.bodies.v, b))
         spin = rotate(state.bodies.R, b, spin_momentum(b, state, work))
+        # About a fixed point: the center of mass of the model may accelerate.
         about_origin = add(cross(row(state.bodies.x, b), mv), spin)
         for i in range(3):
             linear[i] += mv[i]

@@ -37,6 +37,7 @@ def start_bodies(bodies: Bodies, state: State, work: Workspace) -> None:
 def follow_bodies(system: System, state: State, work: Workspace) -> None:
     """Take a step; where steps are of two sizes, velocities are followed over the long ones."""
     bodies, scheme, motion = system.bodies, system.scheme, state.extremes.motion
+    # Short steps interrupt the series: differences across them would look like vibration.
     motion.row[0] = motion.row[0] + 1 if scheme.stride == scheme.ratio else 0
     counts = motion.row[0] >= MIN_STEPS_IN_ROW
     for b in range(len(bodies.mass)):
@@ -75,6 +76,7 @@ def _follow_momentum(k: int, b: int, h: float, state: State, work: Workspace) ->
     L, M = row(momentum.momentum, k), row(momentum.moment, k)
     _keep_momentum(momentum, k, b, state, work)
     expected = add(L, scale(0.5 * h, add(M, row(momentum.moment, k))))
+    # Summed as a vector: defects that cancel over a turn are no drift.
     left = subtract(row(momentum.momentum, k), expected)
     total = add(row(momentum.defect, k), left)
     for i in range(3):

@@ -23,6 +23,8 @@ def hold_chains(elastic: Elastic, scheme: Scheme, state: State, work: Workspace)
         begin, m = data.range[e], data.range[e + 1] - data.range[e]
         stress = work.modes.load[begin : begin + m]
         for i in range(m):
+            # The part of the step that does not depend on the new acceleration; the rest is in
+            # step_stiffness.
             move = h * modes.rate[begin + i] + h * h * (0.5 - beta) * modes.a[begin + i]
             stress[i] = chains.hardening[begin + i] * move
         for k in range(chains.element[c], chains.element[c + 1]):
@@ -63,6 +65,8 @@ def stretch_chains(elastic: Elastic, state: State, work: Workspace) -> float:
             kept, gain, lost = chains.kept[k], chains.gain[k], 0.0
             for i in range(m):
                 after = kept * stretch[i] + gain * moved[i]
+                # The mean of the trapezoidal rule makes the loss exact, so that the energy balance
+                # closes.
                 mean = 0.5 * (stretch[i] + after)
                 lost += stiffness[i] * amplitude[i] * mean * mean
                 stretch[i] = after

@@ -14,11 +14,11 @@ from ..arrays import Array, Index
 from ..compiler.marks import compiled
 from .vectors import inner
 
-ROUNDING = 1e-13
+NEGLIGIBLE_VIOLATION = 1e-13
 """violation, over the largest force, or gap without forces, that counts as none"""
 MIN_PIVOT = 1e-12
 """pivot of a row, over its own compliance, below which others move it alike"""
-PATIENCE = 10
+PATIENT_ITERATIONS = 10
 """iterations without fewer violations before rows change sides one at a time"""
 MAX_CHANGES = 10000
 """iterations after which the problem counts as unsolvable, as with entries that are no numbers"""
@@ -42,11 +42,13 @@ def solve_complementarity(
     order of `factor`, Cholesky's factor of their part of W; factored (n,): 1 for the rows that it
     has, -1 first where there is none yet.
     """
-    fewest, patience = n + 1, PATIENCE
+    fewest, patience = n + 1, PATIENT_ITERATIONS
     for _ in range(MAX_CHANGES):
         count = _order_closed(n, active, order)
+        # From iterate to iterate the closed rows mostly stay the same, and so does their factor.
         if not _is_factored(n, active, factored):
             if not _factorize(count, W, order, factor):
+                # Half a factor is none, and must not serve the next call.
                 factored[0] = -1
                 return -1
             for i in range(n):
@@ -55,8 +57,9 @@ def solve_complementarity(
         violations, last = _violations(n, q, active, lam, y)
         if violations == 0:
             return count
+        # While violations fall, changes of whole sets cannot go in circles.
         if violations < fewest:
-            fewest, patience = violations, PATIENCE
+            fewest, patience = violations, PATIENT_ITERATIONS
         else:
             patience -= 1
         _change_sides(n, active, lam, y, last if patience < 0 else -1)
@@ -139,9 +142,11 @@ def _violations(n: int, q: Array, active: Index, lam: Array, y: Array) -> tuple[
     force, gap = 0.0, 0.0
     for i in range(n):
         force, gap = max(force, abs(lam[i])), max(gap, abs(q[i]))
+    # Relative to the largest: rows within rounding would change sides again and again.
+    force, gap = NEGLIGIBLE_VIOLATION * force, NEGLIGIBLE_VIOLATION * gap
     count, last = 0, -1
     for i in range(n):
-        right = lam[i] >= -ROUNDING * force if active[i] else y[i] >= -ROUNDING * gap
+        right = lam[i] >= -force if active[i] else y[i] >= -gap
         if not right:  # also where it is not a number
             count, last = count + 1, i
     return count, last

@@ -21,11 +21,13 @@ def set_closed(couplings: Couplings, j: int, state: State, work: Workspace) -> N
     """The status of contact j: closed where the law of its first row stores energy."""
     out, i = work.couplings, couplings.range[j]
     _, _, _, energy = law_of_row(couplings.laws, i, state, work)
+    # Stored energy, not force: damping may take the force to zero within a contact.
     if energy == 0.0:
         out.status[j] = 0
     elif out.status[j] == 0:
         out.status[j] = 1
         if couplings.friction_of[j] >= 0 and couplings.rows.kind[i] == GAP:
+            # Chosen anew for each contact: the axis of an earlier one may now be along the normal.
             _set_slip_axis(couplings, j, slip_axis(couplings.rows, i, work), work)
 
 
@@ -41,6 +43,7 @@ def is_closed(couplings: Couplings, work: Workspace) -> bool:
 @compiled
 def approaches(couplings: Couplings, h: float, state: State, work: Workspace) -> bool:
     """Whether any contact is closed, or will be after a time h at its present rate."""
+    # A closed contact must be followed with short steps until it opens.
     if is_closed(couplings, work):
         return True
     old = state.couplings
@@ -80,6 +83,7 @@ def release_open(couplings: Couplings, state: State, work: Workspace) -> None:
         j = couplings.contact[k]
         if not work.couplings.status[j]:
             for i in range(couplings.range[j], couplings.range[j + 1]):
+                # Newton's method leaves its rounding, which results would show as a force.
                 state.couplings.lam[i] = 0.0
 
 
@@ -93,6 +97,7 @@ def settle_contacts(couplings: Couplings, work: Workspace) -> None:
         j = couplings.contact[k]
         i = couplings.range[j]
         if rows.kind[i] == GAP:
+            # Shapes without ends cannot be entered sideways, so they need no memory.
             if has_ends(rows, i):
                 out.blocked[i] = int(is_blocked(rows, i, work))
             if out.status[j] and couplings.friction_of[j] >= 0:

@@ -119,12 +119,15 @@ def _follow_row(couplings: Couplings, i: int, state: State, work: Workspace) -> 
     out.coordinate[i] = evaluate_row(rows, i, angle, out.near[i], work, gradient)
     rate = 0.0
     for k in range(6):
+        # dc/dt = gradient . V holds for every kind, so that rows need no rate of their own.
         rate += gradient[k] * frames.V[f, k] + gradient[6 + k] * frames.V[g, k]
         frames.wrench[f, k] += lam[i] * gradient[k]
         frames.wrench[g, k] += lam[i] * gradient[6 + k]
     out.rate[i] = rate
     if slips(rows.kind[i]):
         h, old = out.elapsed[0], state.couplings
+        # Slip has no coordinate on a curved surface: its rate is integrated by the trapezoidal
+        # rule.
         passed = 0.5 * h * (old.rate[i] + rate) if h < math.inf else 0.0
         out.coordinate[i] = old.coordinate[i] + passed
     _set_constraint_residual(couplings, i, work)
@@ -133,6 +136,7 @@ def _follow_row(couplings: Couplings, i: int, state: State, work: Workspace) -> 
 @compiled
 def _hold(i: int, state: State, work: Workspace) -> None:
     """Row i does not act: its contact is open."""
+    # Nothing may act by the gradient of an earlier contact.
     work.couplings.gradient[i] = 0.0
     work.couplings.coordinate[i] = state.couplings.coordinate[i]
     work.couplings.rate[i] = 0.0
@@ -169,6 +173,7 @@ def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> N
         for m in range(3):
             work.drives.slope[d + m] = dot(rotate(work.frames.D, f, UNIT_AXES[m]), b)
     else:
+        # The derivative of an axis by the angle that turns it is the axis a quarter turn ahead.
         ahead = carried_axis(couplings.rows, i, s + 0.5 * math.pi)
         f, g = couplings.rows.frame_a[i], couplings.rows.frame_b[i]
         b = rotate(work.frames.D, g, row(couplings.rows.b, i))
@@ -180,6 +185,8 @@ def expect_coordinates(couplings: Couplings, h: float, state: State, work: Works
     """The coordinates at the end of a step by their rates, to which angles are then the nearest."""
     old, near = state.couplings, work.couplings.near
     for i in range(len(near)):
+        # The angle turns by less than half a turn against this guess; without it fast joints lose
+        # turns.
         near[i] = old.coordinate[i] + h * old.rate[i]
     expect_terms(h, state, work)
 
@@ -473,6 +480,7 @@ def add_coupling_work(couplings: Couplings, state: State, work: Workspace) -> No
         for i in range(couplings.range[j], couplings.range[j + 1]):
             if couplings.compliant[i]:
                 change = out.coordinate[i] - old.coordinate[i]
+                # The mean force of the step, as of loads, so that all works add up in the balance.
                 mean = 0.5 * (old.lam[i] + out.lam_n[i])
                 m = couplings.laws.motor[i]
                 if m >= 0:

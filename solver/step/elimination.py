@@ -32,6 +32,7 @@ def substitute(pattern: Pattern, S: Array, pivots: Index, x: Array) -> None:
     """x <- S^-1 x from the factors in S."""
     for k in range(len(pattern.size)):
         _go_forward(pattern, k, S, pivots, x)
+    # From the roots back to the leaves: a node depends on later ones alone.
     for k in range(len(pattern.size) - 1, -1, -1):
         _go_back(pattern, k, S, x)
 
@@ -43,6 +44,8 @@ def _factorize_rows(pattern: Pattern, k: int, S: Array, pivots: Index) -> bool:
     for p in range(n):
         pivot, largest = p, abs(S[start + p * width + p])
         for i in range(p + 1, n):
+            # Exchanges stay within a block: the pattern of all other blocks is fixed before the
+            # run.
             if abs(S[start + i * width + p]) > largest:
                 pivot, largest = i, abs(S[start + i * width + p])
         if not largest > 0.0:  # also where it is not a number
@@ -74,6 +77,8 @@ def _eliminate_below(pattern: Pattern, k: int, S: Array) -> None:
                 row_p = start + p * width
                 factor = S[row + p] * S[row_p + p]
                 S[row + p] = factor
+                # Rows of axes that do not interact are zeros; skipping them is cheaper than the
+                # product.
                 if factor != 0.0:
                     _subtract(factor, S[row_p + p + 1 : row_p + n], S[row + p + 1 : row + n])
             for s in range(pattern.segment_range[a], pattern.segment_range[a + 1]):

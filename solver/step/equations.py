@@ -59,6 +59,7 @@ from .system import State, System, Workspace
 def evaluate(system: System, state: State, work: Workspace) -> None:
     """Wrenches, generalized forces and residuals of the present state."""
     frames = system.frames
+    # The order matters: frames need rates, couplings need frames, bodies need all wrenches.
     set_rates(system.elastic, system.scheme, state, work)
     move_frames(frames, frames.n_acting, state, work)
     move_frame_velocities(frames, frames.n_acting, state, work)
@@ -80,6 +81,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
 def linearize(system: System, state: State, work: Workspace) -> None:
     """B and A of all rows, and K alone in the matrix, at the state of the last `evaluate`."""
     frames, pattern = system.frames, system.pattern
+    # Force laws and drag alone depend on velocities.
     if system.couplings.n_compliant or system.loads.n_by_velocity:
         map_frame_velocities(frames, system.scheme.gamma_prime, state, work)
     work.matrix.S[:] = 0.0
@@ -95,6 +97,7 @@ def assemble(system: System, state: State, work: Workspace) -> None:
     """The iteration matrix from K, B and A."""
     assemble_rows(system, work)
     add_second_order_rows(system, state, work)
+    # After all forces, whose rows it weighs, and before the inertia, which is added as it is.
     weigh_forces(system, work)
     add_inertia(system, state, work)
     add_second_order_tangent(system, state, work)
@@ -136,6 +139,7 @@ def relative_residual(
     """
     set_force_scales(system, state, work)
     length, angle = step_motion(system.scheme, state, work)
+    # A rotation moves the far end of the model, against which constraints are judged.
     length += angle * system.bodies.size
     by_bodies = relative_body_residual(system, reach, at_rest, state, work)
     by_rows = relative_coupling_residual(system, (length, angle), reach, at_rest, state, work)

@@ -21,6 +21,7 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
     contacts, old, out = state.contacts, state.couplings, work.couplings
     k, i, h = couplings.contact_of[j], couplings.range[j], out.elapsed[0]
     closed, t = out.status[j] > 0, state.step[0] * h
+    # Open before and after: most contacts in most steps.
     if not closed and not contacts.steps[k]:
         return
     before, side = penetration_of(couplings, i, old.coordinate[i])
@@ -33,6 +34,8 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         contacts.closing_speed[k] = max(new_side * old.rate[i], 0.0) if begins else 0.0
         contacts.whole[k] = int(begins)
         contacts.work[k] = contacts.work_done[k]
+        # The force at the start of the step counts for a contact that was closed at the start of
+        # the run.
         contacts.peak[k], contacts.impulse[k] = abs(out.lam_n[i]), 0.0
     contacts.work_done[k] = state.energies.compliance[j]
     if closed:
@@ -57,6 +60,7 @@ def end_contact(state: State, k: int, end: float, opening_speed: float) -> None:
     contacts.event_contact[n] = k
     contacts.n_events[0] = n + 1
     contacts.ended[k] += 1
+    # A contact that was closed from the start has no impact for the step to resolve.
     if contacts.whole[k]:
         follow_shortest(state, k)
     event[START], event[END], event[STEPS] = contacts.begin[k], end, contacts.steps[k]
@@ -73,6 +77,7 @@ def follow_shortest(state: State, k: int) -> None:
     contacts, extremes = state.contacts, state.extremes
     peak, steps = contacts.peak[k], contacts.steps[k]
     extremes.peak[k] = max(extremes.peak[k], peak)
+    # A graze may last one step without harm; only hard impacts must be resolved.
     least = MIN_PEAK_SHARE * extremes.peak[k]
     first = extremes.shortest[k] == 0 or extremes.shortest_peak[k] < least
     if peak >= least and (first or steps < extremes.shortest[k]):

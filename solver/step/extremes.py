@@ -74,6 +74,7 @@ def _follow_state(system: System, state: State, work: Workspace) -> None:
     _follow_inertia(system.elastic, state, work)
     follow_axial_forces(system.elastic, state)
     _follow_constraints(system.couplings, state, work)
+    # Changes over steps of two sizes cannot be summed.
     if system.scheme.stride == system.scheme.ratio:
         _follow_vibration(system.elastic, state, work)
     _set_energies(system, state, work)
@@ -92,6 +93,7 @@ def _follow_frames(frames: Frames, elastic: Elastic, state: State) -> None:
         if frames.rotations[f]:
             turn = triple(u, dof + 3)
             rotation = dot(turn, turn)
+        # Only a new extreme can leave the range, which saves the comparison in most steps.
         if displacement > extremes.displacement[f]:
             extremes.displacement[f] = displacement
             size = MAX_ELASTIC_DISPLACEMENT * elastic.size[elastic.of_body[frames.body[f]]]
@@ -144,6 +146,7 @@ def _follow_vibration(elastic: Elastic, state: State, work: Workspace) -> None:
     for i in range(len(rate)):
         changes[i] += (rate[i] - rate_n[i]) * (rate[i] - rate_n[i])
     for e in range(len(elastic.body)):
+        # A body known by its kernel alone has no modes: its interfaces stand for them.
         if elastic.modes.range[e] == elastic.modes.range[e + 1]:
             for k in range(elastic.dof[e], elastic.dof[e + 1]):
                 change = state.interfaces.rate[k] - work.interfaces.rate_n[k]
@@ -174,11 +177,13 @@ def _follow_energies(system: System, state: State, work: Workspace) -> None:
     for j in range(len(energies.compliance)):
         done = energies.compliance[j]
         by_springs += done
+        # By magnitude: a spring that gives back what it took has still moved that energy.
         turned_over += abs(done)
         stored = spring_energy(system.couplings, j, state, work)
         taken = -done - stored
         extremes.stored[j] = max(extremes.stored[j], abs(stored))
         extremes.dissipated[j] = max(extremes.dissipated[j], taken)
+        # A passive element never returns dissipated energy, so any fall is an error of the step.
         extremes.returned[j] = max(extremes.returned[j], extremes.dissipated[j] - taken)
     balance = _total(state) - by_springs - extremes.start[0]
     extremes.balance[0] = max(extremes.balance[0], abs(balance))

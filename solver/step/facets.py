@@ -17,10 +17,12 @@ MAX_ITERATIONS = 20
 """iterations of the projection on a facet, of which some five are needed"""
 MAX_WALK = 10
 """facets over which the foot of a point may move from that of the center of its facet"""
-PRECISION = 1e-13
+NEGLIGIBLE_STEP = 1e-13
 """change of reference coordinates that counts as none"""
 ON_EDGE = 1e-9
 """distance to an edge, in reference coordinates, that counts as on it"""
+INSIDE, RIM = -2, -1
+"""in place of a facet: none is behind an edge, for a point is inside or beyond the rim"""
 TRIANGLE, QUAD, TRIANGLE6, QUAD8, QUAD9 = 0, 1, 2, 3, 4
 """types of facets by number"""
 
@@ -110,6 +112,7 @@ def shape_target(facets: Facets, p: int, place: Array, work: SurfaceWork) -> Non
     for f in range(facets.range[p], facets.range[p + 1]):
         last = n_corners - 1
         first = row(place, facets.nodes[f, 0])
+        # The diagonals of a quadrilateral, which need not be flat, or two sides of a triangle.
         a = subtract(row(place, facets.nodes[f, 2]), first)
         b = subtract(row(place, facets.nodes[f, last]), row(place, facets.nodes[f, 1]))
         if n_corners == 3:
@@ -120,6 +123,7 @@ def shape_target(facets: Facets, p: int, place: Array, work: SurfaceWork) -> Non
             work.facet_normal[f, x] = normal[x]
     for f in range(facets.range[p], facets.range[p + 1]):
         for i in range(n_corners):
+            # Normals are as long as twice their areas: larger facets count more.
             mean = (0.0, 0.0, 0.0)
             for t in range(facets.around_range[4 * f + i], facets.around_range[4 * f + i + 1]):
                 mean = add(mean, row(work.facet_normal, facets.around[t]))
@@ -145,6 +149,7 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
             k = (i + 1) % n_corners
             a, b = row(work.facet_place[f], i), row(work.facet_place[f], k)
             n = add(row(work.corner_normal[f], i), row(work.corner_normal[f], k))
+            # By the undeformed rise: the arc turns with its edge, but has no waves of the mesh.
             n = scale(facets.rise[f, i] / math.sqrt(dot(n, n)), n)
             middle = add(scale(0.5, add(a, b)), n)
             for c in range(3):
@@ -170,8 +175,9 @@ def seek_facet(
     best, nearest = math.inf, -1
     for t in range(n_near):
         f = work.near_facet[t]
+        # A facet whose normal points the same way is on the far side of its body.
         if dot(row(work.facet_normal, f), normal) < 0.0:
-            a, b, _ = _project(facets, p, f, x, work)
+            a, b, _, _ = _project(facets, p, f, x, work)
             there, _, _ = point_of_facet(facets, p, f, a, b, work)
             apart = subtract(x, there)
             distance = dot(apart, apart)
@@ -192,66 +198,73 @@ def walk_to_foot(
     before = -1
     a = b = 0.0
     for _ in range(MAX_WALK):
-        a, b, inside = _project(facets, p, f, x, work)
-        if inside:
-            return f, a, b, True
-        beyond = _facet_beyond(facets, p, f, a, b)
+        a, b, to_a, to_b = _project(facets, p, f, x, work)
+        beyond = _facet_beyond(facets, p, f, to_a, to_b)
+        # Back over the same edge: from both of its facets the other one seems nearer, at a ridge.
         if beyond < 0 or beyond == before:
-            return f, a, b, beyond >= 0
+            return f, a, b, beyond != RIM
         before, f = f, beyond
     return f, a, b, True
 
 
 @compiled
 def _facet_beyond(facets: Facets, p: int, f: int, a: float, b: float) -> int:
-    """The facet behind the edge of facet f on which a point is, -1: the edge is on the rim."""
+    """The facet behind the edge of facet f behind which a point is farthest; `INSIDE`, `RIM`.
+
+    At the rim of the surface it may also be behind another edge, which leads on.
+    """
     if is_triangle(facets.kind[p]):
-        on = b <= ON_EDGE, a + b >= 1.0 - ON_EDGE, a <= ON_EDGE, False
+        excess = -b, a + b - 1.0, -a, 0.0
     else:
-        on = b <= ON_EDGE - 1.0, a >= 1.0 - ON_EDGE, b >= 1.0 - ON_EDGE, a <= ON_EDGE - 1.0
-    beyond = -1
+        excess = -1.0 - b, a - 1.0, b - 1.0, -1.0 - a
+    beyond, most = INSIDE, ON_EDGE
     for i in range(4):
-        if on[i]:
-            beyond = max(beyond, facets.beside[f, i])
-    return beyond
+        if excess[i] > ON_EDGE:
+            if facets.beside[f, i] < 0:
+                beyond = max(beyond, RIM)
+            elif excess[i] > most:
+                beyond, most = facets.beside[f, i], excess[i]
+    return int(beyond)
 
 
 @compiled
 def _project(
     facets: Facets, p: int, f: int, x: Vector, work: SurfaceWork
-) -> tuple[float, float, bool]:
-    """Reference coordinates of the point of facet f nearest to x; False where that is on an edge.
+) -> tuple[float, float, float, float]:
+    """Reference coordinates of the point of facet f nearest to x, and without regard to its edges.
 
     By Gauss's method with steps that end at the edges.
     """
     triangular = is_triangle(facets.kind[p])
     a = b = 1.0 / 3.0 if triangular else 0.0
-    inside = True
+    to_a, to_b = a, b
     for _ in range(MAX_ITERATIONS):
         there, t_a, t_b = point_of_facet(facets, p, f, a, b, work)
         apart = subtract(x, there)
         aa, ab, bb = dot(t_a, t_a), dot(t_a, t_b), dot(t_b, t_b)
         r_a, r_b = dot(apart, t_a), dot(apart, t_b)
         det = aa * bb - ab * ab
+        # A facet without area, or a place that is not a number.
         if not det > 0.0:
-            return a, b, False
+            return a, b, to_a, to_b
         to_a, to_b = a + (bb * r_a - ab * r_b) / det, b + (aa * r_b - ab * r_a) / det
-        new_a, new_b, inside = _clip(triangular, to_a, to_b, aa, ab, bb)
+        new_a, new_b = _clip(triangular, to_a, to_b, aa, ab, bb)
         change = max(abs(new_a - a), abs(new_b - b))
         a, b = new_a, new_b
-        if change < PRECISION:
+        if change < NEGLIGIBLE_STEP:
             break
-    return a, b, inside
+    return a, b, to_a, to_b
 
 
 @compiled
 def _clip(
     triangular: bool, a: float, b: float, aa: float, ab: float, bb: float
-) -> tuple[float, float, bool]:
-    """The point of the facet nearest to (a, b) in the metric of its tangents, and if that is it."""
+) -> tuple[float, float]:
+    """The point of the facet nearest to (a, b) in the metric of its tangents."""
     low, high = (0.0, 1.0) if triangular else (-1.0, 1.0)
     if a >= low and b >= low and (a + b <= 1.0 if triangular else a <= high and b <= high):
-        return a, b, True
+        return a, b
+    # Outside the nearest point is on an edge: the nearest of those on all edges.
     best, best_a, best_b = math.inf, a, b
     for edge in range(3 if triangular else 4):
         if triangular and edge == 2:
@@ -270,7 +283,7 @@ def _clip(
         distance = aa * u * u + 2.0 * ab * u * v + bb * v * v
         if distance < best:
             best, best_a, best_b = distance, e_a, e_b
-    return best_a, best_b, False
+    return best_a, best_b
 
 
 @compiled
@@ -293,6 +306,7 @@ def normal_of_facet(
     facets: Facets, p: int, f: int, a: float, b: float, work: SurfaceWork
 ) -> Vector:
     """The normal of facet f at (a, b), between those of its corners."""
+    # Not across the tangents, which differ on both sides of an edge: forces would jump there.
     linear = TRIANGLE if is_triangle(facets.kind[p]) else QUAD
     n = facet_functions(linear, a, b, work.N, work.dN)
     normal = (0.0, 0.0, 0.0)

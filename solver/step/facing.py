@@ -103,6 +103,7 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
         below, distance = _seek(surfaces, c, f, center, radius, work)
         first = (f - facets.range[p]) * per
         out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
+        # What is not covered must not keep the weights of another contact.
         for q in range(first, first + per):
             for z in range(4):
                 out.weight[q, z] = 0.0
@@ -143,6 +144,7 @@ def _seek(
     if t < 0:
         distance, _, _ = distance_from_shape(surfaces, c, center)
         return 0, distance
+    # Facets that begin beyond the end of another one cannot be nearest to a point of facet f.
     least, farthest = math.inf, math.inf
     for m in range(facets.range[t], facets.range[t + 1]):
         apart = subtract(center, row(out.facet_center, m))
@@ -158,6 +160,7 @@ def _seek(
     p = surfaces.contacts.patch[c]
     corners = facets.nodes[f]
     last = facets.corners[p] - 1
+    # The normal of facet f itself, which the facets below it face.
     a = subtract(row(out.place, corners[1]), row(out.place, corners[0]))
     b = subtract(row(out.place, corners[last]), row(out.place, corners[0]))
     return seek_facet(facets, t, center, cross(a, b), n_near, out), least
@@ -183,6 +186,7 @@ def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Works
     n = normal_of_facet(facets, t, f, a, b, out)
     foot, _, _ = point_of_facet(facets, t, f, a, b, out)
     gap = dot(n, subtract(y, foot))
+    # Far behind the target a point is on the other side of its body, not in it.
     if not covered or gap < -surfaces.contacts.size[c]:
         out.foot[q] = -1
         return False
@@ -229,6 +233,7 @@ def _weigh(surfaces: Surfaces, p: int, f: int, first: int, covered: int, work: W
             for z in range(n):
                 out.weight[q, z] = patches.weight[start + q] * patches.dual[start + q, z]
         return
+    # A few covered points at a corner may leave M singular: psi is then L.
     regular = _invert_mass(surfaces, p, first, work)
     for q in range(first, first + per):
         if out.foot[q] < 0:
@@ -259,6 +264,7 @@ def _invert_mass(surfaces: Surfaces, p: int, first: int, work: Workspace) -> boo
         M[z, 4 + z] = 1.0
         for y in range(n):
             norm += M[y, z] * M[y, z] / (M[y, y] * M[z, z])
+    # Before the elimination, which overwrites the diagonal.
     D0, D1, D2, D3 = M[0, 0], M[1, 1], M[2, 2], M[3, 3]
     scales = D0, D1, D2, D3
     sums = _corner_sums(surfaces, p, first, work)
@@ -313,6 +319,7 @@ def set_row_gaps(surfaces: Surfaces, c: int, state: State, work: Workspace) -> N
         first = (f - facets.range[p]) * per
         for z in range(facets.corners[p]):
             i = facets.rows[f, z] + shift
+            # Sums with it remain no number: one far facet leaves the gap of a row unknown.
             if out.is_far[f]:
                 gaps[i] = math.nan
             for q in range(first, first + per):
@@ -320,6 +327,7 @@ def set_row_gaps(surfaces: Surfaces, c: int, state: State, work: Workspace) -> N
                     gaps[i] += out.weight[q, z] * out.gap[q]
                     out.area[i] += out.weight[q, z]
     for i in range(contacts.row[c], contacts.row[c + 1]):
+        # Next to no area would be divided by.
         if out.area[i] < COVERED_PART * patches.area[i - shift]:
             gaps[i] = math.nan
         else:
@@ -357,6 +365,7 @@ def face_target(surfaces: Surfaces, c: int, i: int, work: Workspace) -> None:
             if t >= 0:
                 _push_back(surfaces, c, i, q, n, work)
     out.offset[i] = offset
+    # All rows share `listed`: it is left as it was found.
     for j in range(contacts.other[i], contacts.other[i] + out.other_count[i]):
         out.listed[out.other[j]] = -1
 
@@ -368,6 +377,7 @@ def _push_back(surfaces: Surfaces, c: int, i: int, q: int, n: Vector, work: Work
     start = surfaces.contacts.other[i]
     for m in range(facets.n_nodes[t]):
         k = facets.nodes[out.foot[q], m]
+        # A node below several points of a row is listed once.
         if out.listed[k] < 0:
             out.listed[k] = start + out.other_count[i]
             out.other_count[i] += 1

@@ -34,6 +34,7 @@ def law_of_row(
     laws: Laws, i: int, state: State, work: Workspace
 ) -> tuple[float, float, float, float]:
     """Force, slopes by coordinate and rate, and energy of the laws of row i alone."""
+    # A motor row has no other law, and its force depends on signals and a stepped integral.
     if laws.motor[i] >= 0:
         return motor_law(laws.motors, laws.motor[i], state, work)
     force, slope, rate_slope, energy = 0.0, 0.0, 0.0, 0.0
@@ -60,6 +61,7 @@ def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
     no time has elapsed.
     """
     out = work.couplings
+    # Laws without memory, which are most, cost nothing here.
     rows = len(laws.rest) if len(state.couplings.memory) > 0 else 0
     for i in range(rows):
         c = out.coordinate[i] - laws.rest[i]
@@ -68,6 +70,7 @@ def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
             memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
             remember_law(laws.number[m], parameters, memory, out.elapsed[0], c, out.rate[i])
     settle_motors(state, work)
+    # From now on laws are evaluated at the time of their memory, as in records.
     out.elapsed[0] = 0.0
 
 
@@ -83,6 +86,7 @@ def law_rounding(
     steep = abs(slope) + gamma_prime * abs(rate_slope)
     turned = max(1.0, abs(work.couplings.coordinate[i])) if laws.motor[i] >= 0 else 1.0
     total = steep * (reach if measures_length(kind[i]) else turned)
+    # No coupling has more than six coordinates with a joint stiffness matrix.
     for j in range(first, min(first + 6, len(kind))):
         steep = abs(laws.stiffness[i, j - first]) + gamma_prime * abs(laws.damping[i, j - first])
         total += steep * (reach if measures_length(kind[j]) else 1.0)

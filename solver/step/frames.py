@@ -47,6 +47,7 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
     """Positions and axes of the first n frames."""
     for f in range(n):
         b = frames.body[f]
+        # Frames fixed in space have been placed once, when the arrays were made.
         if b < 0:
             continue
         lever = row(frames.X, f)
@@ -59,6 +60,7 @@ def move_frames(frames: Frames, n: int, state: State, work: Workspace) -> None:
             work.frames.r[f, i] = r[i]
         if k >= 0 and frames.rotations[f]:
             w = state.interfaces.u[k + 3 : k + 6]
+            # Both at once, since they share the trigonometric functions.
             exponential_and_tangent(w, work.frames.small_rotation, work.frames.T[f])
             _multiply(work.frames.small_rotation, frames.D_0[f], work.frames.D[f])
             _rotate_columns(state.bodies.R[b], work.frames.D[f])
@@ -206,6 +208,7 @@ def load_bodies(frames: Frames, state: State, work: Workspace) -> None:
         add_to_row(work.bodies.force, b, 3, add(about_center, M))
         k = frames.dof[f]
         if k >= 0:
+            # F loads the rigid motion and the deformation: both are coordinates of the body.
             _add(state.interfaces.p, k, F)
             if frames.rotations[f]:
                 _add(state.interfaces.p, k + 3, rotate(work.frames.T, f, M))
@@ -307,6 +310,7 @@ def add_frame_tangents(frames: Frames, pattern: Pattern, state: State, work: Wor
             dF, dM = cross(F, e), cross(M, e)
             _add_to_column(work.matrix.S, rotation + j, stride, add(cross(lever, dF), dM))
             if z >= 0:
+                # The lever contains u, so the moment on the body changes with the deformation.
                 _add_to_column(work.matrix.S, start + 3 * stride + z + j, stride, scale(-1.0, dF))
                 _add_to_column(work.matrix.S, start + z * stride + 3 + j, stride, dF)
             if small:

@@ -138,6 +138,7 @@ def set_friction_residual(
     _, size, hold, limit, _ = bristle_of(couplings, j, first, state, work)
     sticks = size < hold or out.holds[0] == 1
     out.status[j] = STICKS if sticks else SLIPS
+    # The bound only avoids 0 / 0: a bristle without force does not slip.
     share = 1.0 if sticks else limit / max(size, 1e-300)
     for i in range(friction.first[r], end):
         force = share * trial_force(couplings, r, i, state, work)
@@ -181,6 +182,8 @@ def set_friction_derivative(
             if slides and speed > 0.0:
                 by_rate += e_i * slope * out.rate[k] / speed
             by_change = factor * _steepness(couplings, r, work)
+            # The coordinate of slip is the integral of its rate: its change is h/2 times that of
+            # the rate.
             if slips(couplings.rows.kind[k]):
                 by_rate += 0.5 * h * by_change
                 by_change = 0.0
@@ -192,12 +195,15 @@ def set_friction_derivative(
 def bend_bristle(couplings: Couplings, j: int, first: int, state: State, work: Workspace) -> None:
     """The bristle of coupling j at the end of a step."""
     friction, r, out = couplings.friction, couplings.friction_of[j], work.couplings
+    # An open contact forgets its bristle: the next one starts unbent.
     holds = couplings.contact_of[j] < 0 or out.status[j] > 0
     _, size, _, limit, _ = bristle_of(couplings, j, first, state, work)
     share = limit / max(size, 1e-300) if out.status[j] == SLIPS else 1.0
     for i in range(friction.first[r], friction.first[r] + friction.n[r]):
         force = share * trial_force(couplings, r, i, state, work)
         bristle = state.couplings.bristle[i]
+        # From the force, not from the motion: a bristle that slips keeps the bend that its force
+        # holds.
         bend = (force - friction.stiffness[r] * bristle) / _steepness(couplings, r, work)
         state.couplings.bristle[i] = bristle + bend if holds else 0.0
 

@@ -104,7 +104,9 @@ def gap_at(rows: Rows, i: int, y: Vector, blocked: bool) -> tuple[float, bool]:
 @compiled
 def _open_past_ends(gap: float, beyond: float, blocked: bool) -> float:
     if beyond > 0.0:
+        # Two distances add, so that the gap stays continuous as the ball comes round the end.
         return max(gap, 0.0) + beyond
+    # A ball that came in from an end has not touched the surface: it must not be thrown out.
     return abs(gap) if blocked else gap
 
 
@@ -314,6 +316,7 @@ def contact_motion(
     rows, frames, i = couplings.rows, work.frames, couplings.range[j]
     f, g = rows.frame_a[i], rows.frame_b[i]
     _, normal, _, _ = _surface(rows, i, work)
+    # An open contact has no axis yet; records need one for its tangents.
     axis = slip_axis(rows, i, work)
     if couplings.friction_of[j] >= 0 and work.couplings.status[j]:
         axis = row(work.couplings.slip_axis, i + 1)

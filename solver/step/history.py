@@ -30,10 +30,12 @@ def start_history(elastic: Elastic, scheme: Scheme, state: State, work: Workspac
     n = state.step[0] + 1
     for e in range(len(elastic.body)):
         if elastic.modes.range[e] < elastic.modes.range[e + 1]:
+            # Modes carry the whole past; without them the kernel is convolved with all loads.
             _sum_modes(elastic, e, state.modes.eta, history)
         else:
             _convolve(elastic, e, n, state, history)
         if scheme.weight != 1.0:
+            # eq. (55) convolves means of two steps, so that half of the last load acts now.
             _add_instantaneous(elastic, e, 1.0 - scheme.weight, state.interfaces.p, history)
 
 
@@ -53,6 +55,7 @@ def finish_history(system: System, state: State, work: Workspace) -> None:
             k = elastic.loaded[c]
             load = weight * p[k] + (1.0 - weight) * p_n[k]
             if begin == end:
+                # Less the load of an equilibrium at the start, whose displacements are in u_rest.
                 past.p[k, state.step[0] + 1 - past.first[0]] = load - past.p_rest[k]
             start = modes.phi_start[e] + (k - first) * (end - begin)
             phi, forces = modes.phi[start : start + end - begin], work.modes.load[begin:end]
@@ -211,11 +214,14 @@ def _convolve(elastic: Elastic, e: int, n: int, state: State, out: Array) -> Non
     first, last = elastic.dof[e], elastic.dof[e + 1]
     n_c, lags, start = last - first, kernels.lags[e], kernels.g_start[e]
     n_0 = past.first[0]
+    # A kernel that was cut off has no effect of older loads.
     since = max(past.since[e], n - lags + 1)
     for i in range(n_c):
         total = past.u_rest[first + i] + past.u_ahead[first + i, n - n_0]
         for c in range(elastic.loaded_range[e], elastic.loaded_range[e + 1]):
             k = elastic.loaded[c]
+            # The load at t = 0 has a kernel of its own: the scheme starts from consistent
+            # accelerations.
             if n < lags:
                 initial = start + (n * n_c + i) * n_c + k - first
                 total += kernels.g_initial[initial] * past.p_start[k]

@@ -37,6 +37,7 @@ def predict_interfaces(scheme: Scheme, state: State, work: Workspace) -> None:
         predicted.u_predicted[k] = motion.u[k] + change
         predicted.rate_predicted[k] = predicted_rate(scheme, motion.rate[k], a_n, a)
         motion.a[k] = a
+        # With the acceleration of the start, as of bodies: nearer to a smooth motion than without.
         motion.u[k] = predicted.u_predicted[k] + motion.acceleration[k] / scheme.beta_prime
 
 
@@ -107,6 +108,7 @@ def weigh_forces(system: System, work: Workspace) -> None:
         for i in range(n):
             target = start + (6 + i) * stride
             for j in range(width):
+                # A copy, since the product with G_0 overwrites the rows that it reads.
                 forces[i * width + j] = S[target + j]
                 S[target + j] = 0.0
         for i in range(n):

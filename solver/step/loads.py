@@ -156,6 +156,7 @@ def linearize_loads(system: System, state: State, work: Workspace) -> None:
     H, forces, tangent = work.loads.tangent, work.loads.forces_by_motion, work.loads.frame_tangent
     for m in range(len(loads.frame)):
         f = loads.frame[m]
+        # The ground does not move: its loads have no tangent.
         if frames.body[f] < 0:
             continue
         H[:] = 0.0

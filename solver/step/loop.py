@@ -66,10 +66,13 @@ def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
         if state.contacts.passed[0] or (in_flight and _is_closed(system, work)):
             return k, residual
         row = inputs.row[k]
+        # Steps that the output request leaves out have row -1.
         if row >= 0:
             output.newton_iterations[row] = iterations
             output.newton_residual[row] = residual
             record(run, row)
+        # This step is whole and counts; the loop stops before the next one would be meaningless or
+        # lose events.
         if state.extremes.left[0] or is_full(state.contacts):
             return k + 1, residual
     return n, residual
@@ -85,6 +88,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
         move_frames(system.frames, system.frames.n_acting, state, work)  # as `record` does
         move_frame_velocities(system.frames, system.frames.n_acting, state, work)
         work.matrix.current[0] = int(renew(system, state, work))
+    # Newton's method overwrites lam; works and a restart need that of the start of the step.
     copy(state.couplings.lam, work.couplings.lam_n)
     keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
@@ -101,6 +105,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
 def _finish(system: System, state: State, work: Workspace) -> None:
     """Update all that a step carries on from its converged state."""
     release_open(system.couplings, state, work)
+    # Before the works: they use the displacements that belong to the loads at the end of the step.
     finish_history(system, state, work)
     finish_bodies(system.scheme, state)
     finish_interfaces(system.scheme, state, work)
@@ -112,6 +117,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
     follow_passages(system, state, work)
     follow_surface_passages(system, state, work)
     add_coupling_work(system.couplings, state, work)
+    # After the works: it sets the elapsed time to zero, by which bristles and events are computed.
     remember_laws(system.couplings.laws, state, work)
     settle_contacts(system.couplings, work)
     follow_coordinates(system, state, work)
@@ -125,6 +131,7 @@ def _finish(system: System, state: State, work: Workspace) -> None:
 def _is_other_size_due(system: System, state: State, work: Workspace) -> bool:
     """Long steps end where a contact may close in the next one, short ones where none may."""
     scheme = system.scheme
+    # Sizes change only at multiples of the long step, where both grids have a point.
     if scheme.ratio == 1 or state.step[0] % scheme.ratio != 0:
         return False
     longest = scheme.h * (scheme.ratio // scheme.stride)

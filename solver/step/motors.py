@@ -37,6 +37,7 @@ def motor_law(
     v = asked + z
     lower, upper = bounds_of(motors, m, rate)
     torque = min(max(v, lower), upper)
+    # Solved implicitly: an explicit anti-windup is unstable for short tracking times.
     lag = 0.5 * step * motors.tracking[m]
     excess = (v - torque) / (1.0 + lag)
     out.error[m], out.torque[m] = error, torque
@@ -44,6 +45,7 @@ def motor_law(
     out.slope[m] = motors.integral[m] * error - motors.tracking[m] * excess
     out.scale[m] = abs(asked) + abs(z)
     out.status[m] = _status(v, state.couplings.lam[i], lower, upper)
+    # -v, even slightly beyond a limit: the status decides, so that force and slope agree.
     if out.status[m] == 0:
         slope = motors.stiffness[m] + 0.5 * step * motors.integral[m]
         return -v, slope, motors.damping[m], 0.0
@@ -74,6 +76,7 @@ def bounds_of(motors: Motors, m: int, rate: float) -> tuple[float, float]:
     lower, upper = motors.lower[m], motors.upper[m]
     if motors.speed[m] < math.inf:
         part = rate / motors.speed[m]
+        # Only what drives the motion falls with speed; braking keeps the full limit.
         upper *= min(max(1.0 - part, 0.0), 1.0)
         lower *= min(max(1.0 + part, 0.0), 1.0)
     return lower, upper

@@ -55,14 +55,17 @@ def converge(system: System, state: State, work: Workspace) -> tuple[int, float,
     Where it fails with old factors, or from the predicted accelerations, it starts once more from
     zero accelerations and makes every matrix anew.
     """
+    # Fixed for the whole step, so that what counts as rounding cannot drift between iterations.
     reach = largest_coordinate(system.bodies, state)
     outcome, iterations, residual = _iterate(system, system.newton.reuse, reach, state, work)
     total = iterations
+    # Without reuse every matrix was new already: a second attempt would only repeat the first.
     if outcome == Outcome.FAILED and system.newton.reuse > 0.0:
         _restart(system, state, work)
         outcome, iterations, residual = _iterate(system, 0.0, reach, state, work)
         total += iterations
     if outcome == Outcome.FAILED:
+        # A failed iteration leaves no residual; the error message names one.
         residual = relative_residual(system, reach, iterations > 1, state, work)
     return total, residual, outcome == Outcome.CONVERGED
 
@@ -76,6 +79,7 @@ def _iterate(
     reuse: ratio of successive corrections up to which old factors serve; reach: largest coordinate
     [m]. The residual is infinite where the iteration failed.
     """
+    # Infinite, so that the first correction is never taken for a stalled one.
     change = previous = math.inf
     iterations = 0
     while True:
@@ -110,9 +114,12 @@ def _judge(
     is_last = iterations == newton.max_iterations
     is_fixed = iterations == newton.fixed_iterations
     residual = math.inf
+    # It takes the magnitudes of all forces, so it is evaluated only where it can decide.
     if iterations > 0 and (is_fixed or is_at_rest or is_last):
         residual = relative_residual(system, reach, iterations > 1, state, work)
         if is_fixed:
+            # A fixed number bounds the cost, not the error: only a residual as large as the forces
+            # fails.
             small = residual < MAX_FIXED_RESIDUAL
             return (Outcome.CONVERGED if small else Outcome.ENDED_EARLY), residual
         if residual <= newton.tolerance:
@@ -127,6 +134,7 @@ def _has_factors(system: System, is_fast: bool, state: State, work: Workspace) -
     is_fast: corrections shrink fast enough with the old ones.
     """
     matrix = work.matrix
+    # A contact or limit that switches changes rows of the matrix by more than corrections repair.
     switched = has_switched(system.couplings, work) or have_surfaces_switched(work)
     serves = matrix.current[0] == 1 and not switched
     if not (serves and is_fast):
@@ -143,6 +151,7 @@ def renew(system: System, state: State, work: Workspace) -> bool:
     """
     linearize(system, state, work)
     assemble(system, state, work)
+    # Noted with the matrix: later switches are judged against what this matrix contains.
     note_status(system.couplings, work)
     return factorize(system.pattern, work.matrix.S, work.matrix.pivots)
 

@@ -106,6 +106,7 @@ def _has_passed(
     before, after = state.couplings.coordinate[i], work.couplings.coordinate[i]
     travel = _length(subtract(place, start))
     f, g = rows.frame_a[i], rows.frame_b[i]
+    # Bounds first, without trigonometry: nearly all balls are far from their shapes.
     square_A, arm_A = _turn_and_arm(system, f, work)
     square_B, arm_B = _turn_and_arm(system, g, work)
     apart = magnitude(delta_of(rows, i, work))
@@ -115,6 +116,7 @@ def _has_passed(
     if before + after > 2.0 * travel + 8.0 * bend:  # far away, and in a smooth motion for sure
         return False
     closed = before < 0.0 or after < 0.0
+    # A contact that is seen at an end of the step cannot have been missed by a short path.
     if closed and travel < LONG_TRAVEL * size:
         return False
     path = _path(
@@ -129,6 +131,7 @@ def _has_passed(
         return False
     if size == math.inf and min(before, after) > bend + sag:
         return False
+    # Bounded below, so that a body that flies away costs no endless search.
     finest = max(1.0 / MAX_PLACES, min(FINEST_PART * size / length, 1.0 / PLACES_OF_PLANE))
     if size == math.inf:
         deep = max(PATH_ERROR * (bend + sag), GRAZING_DEPTH * ball_radius(rows, i))

@@ -24,6 +24,7 @@ def load_patterns(patterns: LoadPatterns, state: State, work: Workspace) -> None
         p[patterns.dof[t]] = 0.0
     for t in range(len(patterns.body)):
         b, amplitude = patterns.body[t], work.loads.value[patterns.signal[t]]
+        # Two loads may use one pattern, so they add up after all are cleared.
         p[patterns.dof[t]] += amplitude
         resultant = rotate(state.bodies.R, b, scale(amplitude, row(patterns.force, t)))
         for i in range(3):

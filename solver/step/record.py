@@ -72,11 +72,13 @@ def _record_switching(run: Run, j: int, k: int) -> None:
     c, r = couplings.contact_of[j], couplings.friction_of[j]
     if r >= 0:
         row = couplings.friction.first[r]
+        # On the second body as the user named it, whichever frame carries the row.
         output.friction_force[k, r] = lam[row] if couplings.second[row] == 6 else -lam[row]
         output.friction_state[k, r] = status
     if c < 0:
         return
     beyond, _ = penetration_of(couplings, i, run.work.couplings.coordinate[i])
+    # Not -beyond, which would write a negative zero.
     output.gap[k, c] = 0.0 - beyond
     output.normal_force[k, c] = lam[i]
     output.normal_impulse[k, c] = run.state.contacts.total_impulse[c]
@@ -100,6 +102,7 @@ def _record_motors(run: Run, k: int) -> None:
         i = motors.row[m]
         output.motor_torque[k, m] = state.couplings.lam[i]
         reference, error = 0.0, 0.0
+        # Without a position gain the reference is unused, and an error would mean nothing.
         if motors.stiffness[m] > 0.0 or motors.integral[m] > 0.0:
             reference = work.motors.value[3 * m + 1]
             error = reference - work.couplings.coordinate[i]

@@ -26,6 +26,7 @@ def stumpff(square: float) -> tuple[float, float, float, float, float, float]:
     c_{k+2}; 2 dc_k/ds = k c_{k+2} - c_{k+1}. The power series below one radian leaves nothing to
     cancellation.
     """
+    # 1 - cos and theta - sin lose all digits for small angles; the series does not.
     if square < 1.0:
         c4, c5 = STUMPFF_4[8], STUMPFF_5[8]
         for i in range(7, -1, -1):
@@ -179,6 +180,7 @@ def relative_rotation(A: Array, B: Array, out: Array) -> None:
         out[2] += B[1, k] * A[0, k] - B[0, k] * A[1, k]
     sine = 0.5 * math.sqrt(square_norm(out))
     angle = math.atan2(sine, 0.5 * (trace - 1.0))
+    # sin x = x to rounding below 1e-8; above, the quotient has all digits.
     scale = 0.5 * angle / sine if sine > 1e-8 else 0.5
     for i in range(3):
         out[i] *= scale
@@ -222,6 +224,7 @@ def quaternion_of(R: Array) -> Array:
             ],
         ]
     )
+    # The largest component is at least 1/2: no division by a small number.
     q: Array = products[int(np.argmax(np.diagonal(products)))]
     unit: Array = q / np.copysign(np.linalg.norm(q), q[0])
     return unit

@@ -25,7 +25,7 @@ import math
 from ..arrays import Array
 from ..compiler.dispatch import dispatcher
 from ..compiler.marks import compiled
-from .gaps import FirstSlip, Gap, SecondSlip
+from .gaps import Gap
 from .kinds import ROW_KINDS, delta_of, row_kind
 from .records.couplings import Rows
 from .system import Workspace
@@ -250,6 +250,7 @@ def _add_angle(
     _add_rotation_at(turned, b, factor * c / q, n, H)
     _add_rotation_at(a, b, -factor * s / q, n, H)
     g_s, g_c = cross(turned, b), cross(a, b)
+    # q is 1 only where b is in the plane of a and a'; elsewhere the factors change with it.
     same, mixed = (c * c - s * s) / (q * q), 2.0 * s * c / (q * q)
     for k in range(3):
         for j in range(3):
@@ -264,6 +265,7 @@ def _add_angle(
 @compiled
 def nearest_angle(angle: float, near: float) -> float:
     """The angle, by full turns nearest to another."""
+    # atan2 knows angles within a turn alone; the prediction tells which turn.
     return angle + 2.0 * math.pi * round((near - angle) / (2.0 * math.pi))
 
 
@@ -294,9 +296,9 @@ def _add_rotation_at(a: Vector, b: Vector, factor: float, n: int, H: Array) -> N
 
 
 LENGTH_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.length)
+SLIP_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.slips)
 ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
 ANGLE_OF_A, ATTITUDE = AngleOfA.number, Attitude.number
-FIRST_SLIP, SECOND_SLIP = FirstSlip.number, SecondSlip.number
 _evaluate = dispatcher(
     "evaluate_kind",
     "rows, i, angle, near, work, gradient",
@@ -329,7 +331,10 @@ def is_angle(kind: int) -> bool:
 @compiled
 def slips(kind: int) -> bool:
     """True where a kind of rows has no coordinate but the integral of its rate."""
-    return FIRST_SLIP <= kind <= SECOND_SLIP
+    for number in SLIP_KINDS:  # noqa: SIM110 - compiled code has no generators
+        if kind == number:
+            return True
+    return False
 
 
 @compiled

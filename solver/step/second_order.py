@@ -87,6 +87,7 @@ def add_curvatures(elastic: Elastic, state: State, work: Workspace) -> None:
                 i, row = i + 1, row + r
             else:
                 now = _curvature(elastic, e, k, u)
+            # Loads do work on this part through f_q, so that `add_elastic_work` takes it off u.
             bend[k] = now - curvature[k]
             curvature[k] = now
             u[k] += now
@@ -265,6 +266,8 @@ def inertia_taken(elastic: Elastic, e: int, state: State, work: Workspace) -> fl
     at_q, left = work.second.at_q[e], work.bodies.inertia
     for i in range(3):
         for j in range(3):
+            # q has unit modal mass, so that this is the inertia that freely following q would
+            # cancel.
             taken = inner(at_q[i * r : (i + 1) * r], at_q[j * r : (j + 1) * r])
             left[i, j] = J[i, j] - taken
     now, whole = _pivots(left), _pivots(J_0)
@@ -308,6 +311,7 @@ def add_second_order_rows(system: System, state: State, work: Workspace) -> None
             continue
         r, begin = elastic.second.r[e], elastic.active_range[e]
         n = elastic.active_range[e + 1] - begin - r
+        # Derivatives by the body's own motion stand in its diagonal block alone.
         if start == pattern.body_block[b, 0]:
             _add_own_slopes(system, e, start + 6 * stride, stride, state, work)
         for i in range(n):

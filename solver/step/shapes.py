@@ -57,6 +57,7 @@ def shape(kind: AnyShape) -> AnyShape:
 def _round(R: float, p: Vector, axis: Vector, across: Vector) -> tuple[float, Vector, Curvature]:
     """|p| - R about an axis, or about a point where that is zero."""
     length = math.sqrt(dot(p, p))
+    # At the center every direction is normal; a fixed one keeps the force finite.
     if length == 0.0:
         return -R, across, NO_CURVATURE
     n = scale(1.0 / length, p)
@@ -133,6 +134,8 @@ class Profile:
         s = (px - x) * tz - (py - z) * tx
         beyond = abs((px - x) * tx + (py - z) * tz)
         bend = (dx * ddz - dz * ddx) / (speed * speed * speed)
+        # Beyond the center of curvature the formula changes sign: the bound keeps the tangent
+        # finite.
         k = bend / max(1.0 + bend * s, MIN_CENTER_DISTANCE)
         t_ = add(scale(tx, across), scale(tz, up))
         n = subtract(scale(tz, across), scale(tx, up))
@@ -162,6 +165,7 @@ def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
     n = int(parameters[0])
     for i in range(n):
         length = parameters[1 + NUMBERS_PER_PIECE * i]
+        # Newton's method finds a near extremum only: samples keep it from a farther one.
         for sample in range(SAMPLES_PER_PIECE):
             t = length * sample / (SAMPLES_PER_PIECE - 1.0)
             x, _, _ = _cubic(parameters, i, 1, t)

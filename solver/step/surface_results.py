@@ -20,7 +20,7 @@ from .vectors import (
     subtract,
 )
 
-ROUNDING = 1e-10
+NEGLIGIBLE_RATE = 1e-10
 """of a rate of separation over the speeds of which it is the difference"""
 
 
@@ -115,7 +115,7 @@ def _separation_rate(
     size = math.sqrt(dot(way, way))
     rate = dot(subtract(first, second), way) / size if size > 0.0 else 0.0
     speeds = math.sqrt(dot(first, first)) + math.sqrt(dot(second, second))
-    return rate if abs(rate) > ROUNDING * speeds else 0.0
+    return rate if abs(rate) > NEGLIGIBLE_RATE * speeds else 0.0
 
 
 @compiled

@@ -45,9 +45,9 @@ from .vectors import (
     subtract,
 )
 
-LOOKS = 2
+LOOKS_PER_STEP = 2
 """iterates of a step at which tangent planes are laid"""
-STEPS_AHEAD = 3.0
+STEPS_OF_APPROACH = 3.0
 """steps ahead in which a patch that may meet its target is followed"""
 MAX_TURN = 1e-4
 """change of a gradient with which an old W still serves: corrections shrink by as much"""
@@ -79,6 +79,7 @@ def press_surfaces(system: System, state: State, work: Workspace) -> None:
     for s in range(len(system.surfaces.bodies.flexible)):
         if out.awake[s]:
             _set_base(system, s, state, work)
+            # Later iterates have them from the forces of the iterate before.
             if out.looks[0] == 0:
                 _set_displacements_by_load(system.surfaces, s, state, work)
     out.push[:] = 0.0
@@ -98,6 +99,7 @@ def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
         if not out.awake[s]:
             continue
         b = elastic.body[surfaces.bodies.flexible[s]]
+        # `push` is in body axes; of bodies only the moments are, their forces are in space.
         force = out.push[s, 0], out.push[s, 1], out.push[s, 2]
         add_to_row(work.bodies.force, b, 0, rotate(state.bodies.R, b, force))
         add_to_row(work.bodies.force, b, 3, (out.push[s, 3], out.push[s, 4], out.push[s, 5]))
@@ -114,6 +116,7 @@ def add_surface_tangents(system: System, work: Workspace) -> None:
     if len(contacts.patch) == 0 or out.looks[0] < 0:
         return
     blocks = system.pattern.island_block
+    # Noted with the matrix: later switches are judged against what it contains.
     for i in range(len(out.closed)):
         out.closed_in_matrix[i] = out.closed[i]
     for m in range(len(contacts.island_range) - 1):
@@ -161,6 +164,7 @@ def add_surface_scales(system: System, state: State, work: Workspace) -> None:
     """The forces of rows, each by itself, join the force scales of the bodies."""
     contacts, patches = system.surfaces.contacts, system.surfaces.patches
     for c in range(len(contacts.patch)):
+        # Contacts only push: the sum of their forces is that of the magnitudes.
         total = 0.0
         for i in range(contacts.row[c], contacts.row[c + 1]):
             total += state.surfaces.force[i]
@@ -232,6 +236,7 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
         for i in range(modes.range[e], modes.range[e + 1]):
             mean = 0.5 * (state.surfaces.modal_load[i] + out.modal_load_n[i])
             state.energies.modal[0] += mean * (state.modes.eta[i] - out.eta_n[i])
+            # Displacements by loads contain those of modes, whose energy is counted with the modes.
             total -= out.modal_step[i] * state.surfaces.modal_load[i]
         if not out.awake[s]:
             continue
@@ -304,11 +309,13 @@ def _find_near(system: System, state: State, work: Workspace) -> None:
             if contacts.target[c] >= 0 and contacts.frame[c] < 0:
                 _wake(system, surfaces.patches.owner[contacts.target[c]], state, work)
     for s in range(len(surfaces.bodies.flexible)):
+        # A body that no contact is near keeps no force of an earlier step.
         if not out.awake[s]:
             for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
                 for x in range(3):
                     state.surfaces.load[k, x] = 0.0
     for i in range(len(out.closed)):
+        # Rows that turn out to be far keep no gap of an earlier step.
         state.surfaces.gap[i] = math.nan
 
 
@@ -339,10 +346,11 @@ def _is_near(system: System, c: int, h: float, state: State, work: Workspace) ->
     if f >= 0:
         delta = subtract(center, target_origin(system, c, state, work))
         speed += _length((V[f, 0], V[f, 1], V[f, 2]))
+        # Where the frame turns, what it carries moves faster the farther away it is.
         speed += _length((V[f, 3], V[f, 4], V[f, 5])) * _length(delta)
     else:
         speed += _speed(system, contacts.target[c], state)
-    return _distance(system, c, center, state, work) < reach + STEPS_AHEAD * h * speed
+    return _distance(system, c, center, state, work) < reach + STEPS_OF_APPROACH * h * speed
 
 
 @compiled
@@ -445,7 +453,7 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     """Forces of the contacts of island m at the present motion, and its stiffness."""
     surfaces, out = system.surfaces, work.surfaces
     contacts = surfaces.contacts
-    looks = out.looks[0] < LOOKS
+    looks = out.looks[0] < LOOKS_PER_STEP
     if looks:
         out.count[m] = 0
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
@@ -453,13 +461,16 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         if out.near[c] and looks:
             place_nodes(system, c, state, work)
             _find_candidates(system, m, c, state, work)
+        # A contact that is not near has no force left from an earlier step.
         elif out.looks[0] == 0:
             for i in range(contacts.row[c], contacts.row[c + 1]):
                 out.closed[i], state.surfaces.force[i] = 0, 0.0
     n = out.count[m]
     for r in range(n):
         _set_gradient(system, m, r, state, work)
+        # The rows that were closed before are the guess from which the problem is solved.
         out.active[r] = out.closed[out.candidate[m, r]]
+    # New gradients: the same forces of rows are other forces on nodes.
     if looks:
         _load_nodes(system, m, state, work)
     if _is_W_outdated(surfaces, m, work):
@@ -467,6 +478,7 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
         c = contacts.island[w]
         if out.near[c]:
+            # Placed again, for new forces on nodes displace them.
             place_nodes(system, c, state, work)
             _set_gaps(system, m, c, state, work)
     count = solve_complementarity(
@@ -490,7 +502,12 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
     contacts = surfaces.contacts
     margin = contacts.margin[c]
     if math.isnan(margin):
-        margin = 2.0 * system.scheme.h * _closing_speed(system, c, state, work)
+        way = system.scheme.h * _closing_speed(system, c, state, work)
+        way += _elastic_way(surfaces, contacts.patch[c], state, work)
+        if contacts.frame[c] < 0:
+            way += _elastic_way(surfaces, contacts.target[c], state, work)
+        # Twice, for the motion within the step is not known yet.
+        margin = 2.0 * way
     look_at_target(system, c, margin, work)
     set_row_gaps(surfaces, c, state, work)
     for i in range(contacts.row[c], contacts.row[c + 1]):
@@ -503,6 +520,17 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
             face_target(surfaces, c, i, work)
         else:
             out.closed[i], state.surfaces.force[i] = 0, 0.0
+
+
+@compiled
+def _elastic_way(surfaces: Surfaces, p: int, state: State, work: Workspace) -> float:
+    """The farthest that a node of patch p is from its displacement at the start of the step."""
+    square = 0.0
+    for k in range(surfaces.patches.node[p], surfaces.patches.node[p + 1]):
+        u = add(row(work.surfaces.base, k), row(work.surfaces.by_load, k))
+        change = subtract(u, row(state.surfaces.u, k))
+        square = max(square, dot(change, change))
+    return math.sqrt(square)
 
 
 @compiled
@@ -597,6 +625,7 @@ def _set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> 
         if t >= 0:
             for j in range(contacts.other[i], contacts.other[i] + out.other_count[i]):
                 total += dot(row(out.other_gradient, j), row(out.place, out.other[j]))
+        # Nodes are where the present forces push them: q is the gap without these.
         for o in range(out.count[m]):
             total -= out.W[m, r, o] * state.surfaces.force[out.candidate[m, o]]
         # that of a layer is no displacement of the nodes
@@ -613,6 +642,7 @@ def _layer(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
 def _is_W_outdated(surfaces: Surfaces, m: int, work: Workspace) -> bool:
     """Whether candidates or their gradients have changed since W of island m was made."""
     out = work.surfaces
+    # The list of candidates first: gradients of different rows cannot be compared.
     if out.W_count[m] != out.count[m]:
         return True
     for r in range(out.count[m]):
@@ -671,6 +701,7 @@ def _set_compliances(surfaces: Surfaces, m: int, work: Workspace) -> None:
             out.W[m, o, r] = out.W[m, r, o]
     out.W_count[m] = n
     if n:
+        # Factors of the old W serve no longer.
         out.factored[m, 0] = -1
 
 
@@ -691,6 +722,7 @@ def _add_to_column(surfaces: Surfaces, s: int, k: int, b: Vector, work: Workspac
     for x in range(3):
         if b[x] != 0.0:
             start = bodies.G_start[s] + (3 * (k - first) + x) * n
+            # A row in place of the column, which is the same and lies together in memory.
             G = bodies.G[start : start + n]
             for i in range(n):
                 column[i] += b[x] * G[i]
@@ -835,6 +867,7 @@ def _set_derivative(
     for j in range(begin, end):
         b = row(out.gradient, first + j - begin)
         _add_by_interfaces(system, s, patches.support[j], b, own + 6, D)
+    # A target that is fixed in space has no coordinates.
     if other < 0:
         return
     force, moment = _wrench_on_target(system, m, r, state, work)

@@ -35,6 +35,7 @@ def add_term_wrenches(couplings: Couplings, state: State, work: Workspace) -> No
         out.coordinate[t] = evaluate_row(terms.rows, t, 0.0, out.near[t], work, gradient)
         work.couplings.phi[i] += terms.ratio[t] * out.coordinate[t]
         f, g = terms.rows.frame_a[t], terms.rows.frame_b[t]
+        # Virtual work: lambda acts on c + sum ratio_t c_t, so each term gets its share.
         force = state.couplings.lam[i] * terms.ratio[t]
         rate = 0.0
         for k in range(6):
@@ -72,6 +73,7 @@ def linearize_terms(system: System, state: State, work: Workspace) -> None:
         tangent[:] = 0.0
         add_row_tangent(terms.rows, t, 0.0, force, work, tangent)
         pull_back_tangent(frames, pair, tangent, state, work)
+        # A term may couple other bodies than its row: it has blocks of its own.
         add_tangent_of_pair(frames, pattern, pair, pattern.term_block[t], work)
 
 

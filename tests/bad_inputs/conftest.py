@@ -11,17 +11,23 @@ from duhamel.superelement import (
     Modes,
     Pattern,
     Superelement,
+    Surface,
+    Surfaces,
     read,
     sample_kernel,
     write,
 )
 
 
-def make_element() -> Superelement:
-    """A body of two interfaces and three modes."""
-    modes = Modes(
-        [100.0, 300.0, 900.0], [0.01, 0.01, 0.01], np.random.default_rng(0).normal(size=(12, 3))
-    )
+def make_element(m: int = 12) -> Superelement:
+    """A body of two interfaces, with as many modes as these have dofs, and a surface of a facet."""
+    rng = np.random.default_rng(0)
+    modes = Modes(100.0 * np.arange(1, m + 1), [0.01] * m, rng.normal(size=(12, m)))
+    X = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]])
+    up = np.tile([0.0, 0.0, 1.0], (4, 1))
+    flank = Surface("flank", np.arange(4), X, np.array([[0, 1, 2, 3]]), "quad", up, area=0.01)
+    phi = rng.normal(size=(12, m))
+    H = phi / modes.omega**2 @ phi.T + 1e-6 * np.eye(12)
     return Superelement(
         name="beam",
         mass=1.5,
@@ -32,7 +38,8 @@ def make_element() -> Superelement:
         modes=modes,
         compliance=modes.phi / modes.omega**2 @ modes.phi.T,
         accelerance=modes.phi @ modes.phi.T,
-        channels=Channels((Pattern("wind", [1, 0, 0], [0, 0, 0]),), (), [[0.1, 0.2, 0.3]]),
+        channels=Channels((Pattern("wind", [1, 0, 0], [0, 0, 0]),), (), [[0.1] * m]),
+        surfaces=Surfaces((flank,), phi, H),
     )
 
 

@@ -101,6 +101,14 @@ ball = 0.05
 stiffness = 1e5
 exponent = 1.5
 
+[[contacts]]
+name = "press"
+surfaces = ["beam.flank", "ground.post"]
+shape = "plane"
+axis = [0, 0, -1]
+layer = 1e12
+margin = 1e-3
+
 [[stops]]
 name = "end"
 joint = "pivot"

@@ -68,10 +68,11 @@ def declared(kind: type[BaseModel], document: Any, at: Place = ()) -> Iterator[P
 
 
 def _is_of_kind(value: Mapping[str, Any], table: type[BaseModel]) -> bool:
-    """Whether a value is of the kind that this table is for, where the key `type` tells."""
-    tag = table.model_fields.get("type")
-    kinds = get_args(tag.annotation) if tag is not None else ()
-    return not kinds or value.get("type") in kinds
+    """Whether a value is of the kind that this table is for, by its key `type` or what it needs."""
+    fields = table.model_fields
+    needed = {field.alias or name for name, field in fields.items() if field.is_required()}
+    kinds = get_args(fields["type"].annotation) if "type" in fields else ()
+    return needed <= value.keys() and (not kinds or value.get("type") in kinds)
 
 
 def table_kinds(annotation: Any) -> Iterator[type[BaseModel]]:

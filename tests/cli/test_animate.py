@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 from duhamel.cli import app
-from duhamel.cli.commands.animate import size_of, told
+from duhamel.cli.arguments import beside, size_of
+from duhamel.cli.commands.animate import told
 from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
 from duhamel.view import Film
 from PIL import Image
@@ -44,7 +45,7 @@ def test_the_end_of_the_scale_is_told_with_what_it_is_the_largest_of():
 def test_at_a_time_it_is_a_picture(runner, results_file):
     result = runner.invoke(app, ["animate", str(results_file), *TINY, "--at", "worst"])
     assert result.exit_code == 0, result.output
-    with Image.open(results_file.with_suffix(".png")) as picture:
+    with Image.open(beside(results_file, ".png", "frame")) as picture:
         assert picture.size == (160, 90)
 
 
@@ -86,7 +87,15 @@ def test_a_part_of_the_time_that_is_not_there_is_refused(runner, results_file, t
 
 
 def test_sizes_are_numbers():
-    assert size_of("1280x720") == (1280, 720)
+    assert size_of("1280x720", int, 1, 2000, "pixels") == (1280, 720)
+
+
+def test_a_picture_of_a_time_leaves_the_plot_beside_the_results(runner, results_file):
+    plotted = runner.invoke(app, ["plot", str(results_file)])
+    before = results_file.with_suffix(".png").read_bytes()
+    shot = runner.invoke(app, ["animate", str(results_file), *TINY, "--at", "worst"])
+    assert (plotted.exit_code, shot.exit_code) == (0, 0)
+    assert results_file.with_suffix(".png").read_bytes() == before
 
 
 @pytest.mark.parametrize("size", ["1280", "x", "1280x-2", "axb"])

@@ -143,7 +143,7 @@ signal = 1e9
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (RIGID.replace("STEP", ""), "simulation: step: a model without superelements needs one"),
+        (RIGID.replace("STEP", ""), "simulation: step: required in a model without superelements"),
         (
             RIGID.replace("STEP", "step = 1e-3") + COILED,
             "spring 'coil': its ends ['ground.hook', 'stone'] coincide",

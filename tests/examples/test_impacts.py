@@ -227,6 +227,17 @@ def test_the_box_comes_to_rest(example, tmp_path):
     assert found.blows > 20
 
 
+def test_a_housing_falls_on_its_feet(example, tmp_path):
+    """Which checks momentum, energy, and the force against that of half the step."""
+    found, _ = example("housing").main(tmp_path)
+    assert (tmp_path / "housing.png").exists()
+    # One foot after the other, each lands at the floor but for what it yields.
+    assert found.force[found.time < 0.005].max() == pytest.approx(80.5, rel=0.01)
+    assert found.force.max() == pytest.approx(205.0, rel=0.01)
+    assert (abs(found.heights.min(axis=0)) < 3e-4).all()
+    assert (found.force[found.heights.min(axis=1) > 3e-4] < 1e-9).all()
+
+
 @pytest.mark.validation
 def test_the_hammer_on_the_bracket(example, tmp_path):
     """At a tenth of the speed the force comes nearer to that of small motions: what is left at 1

@@ -10,7 +10,7 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.recovery import recover
 from duhamel.preprocess.responses.band import Band
 from duhamel.preprocess.responses.modal import elastic_shapes
-from duhamel.preprocess.responses.search import krylov_modes
+from duhamel.preprocess.responses.search import Request, krylov_modes
 from duhamel.preprocess.solving.factor import factorize
 from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import GeneralizedAlpha, read, write
@@ -249,9 +249,7 @@ def test_fields_of_krylov_modes_err_by_no_more_than_the_tolerance(solid_body, bo
     everywhere = eye_array(structure.n_u, format="csr")
 
     def errors(fields):
-        modes, shapes, stated = krylov_modes(
-            structure, Damping(), band, tolerance, lambda text: None, fields
-        )
+        modes, shapes, stated = krylov_modes(Request(structure, Damping(), band, tolerance, fields))
         turn = every_shapes(everywhere).T @ (structure.M @ shapes(everywhere))
         return band.field_error(modes, every, turn), stated
 

@@ -34,10 +34,25 @@ def block(n=3, ends=False, edge=EDGE):
     if ends:
         part.interface("left", du.plane(x=-half))
         part.interface("right", du.plane(x=half))
+    return _quietly(part, step=1e-6, band=4e5)
+
+
+@cache
+def arm():
+    """A bar of 80 x 8 x 4 mm from x = 0 with the surface `low` near its `tip`."""
+    lines = np.linspace(0.0, 0.08, 17), np.linspace(-0.004, 0.004, 3), [-0.002, 0.0, 0.002]
+    part = du.Part(skfem.MeshHex.init_tensor(*map(np.array, lines)), STEEL)
+    part.surface("low", du.box([0.06, -0.005, -0.0021], [0.081, 0.005, -0.0019]))
+    part.interface("root", du.plane(x=0.0))
+    part.interface("tip", du.plane(x=0.08))
+    return _quietly(part, step=2e-7, band=1.5e5)
+
+
+def _quietly(part, **impulse):
     with warnings.catch_warnings():
-        # of the few elements in a wave: these blocks are compared with themselves
+        # of the few elements in a wave: these bodies are compared with themselves
         warnings.simplefilter("ignore", du.preprocess.PlausibilityWarning)
-        return part.superelement(step=1e-6, band=4e5)
+        return part.superelement(**impulse)
 
 
 class Motion:

@@ -50,7 +50,7 @@ CONTACTS = [
     (HERTZ | {"hertz": "{E = [1e9], nu = [0.3, 0.3]}"}, "hertz: E: expected two positive numbers"),
     (HERTZ | {"hertz": "{E = [1, 1], nu = [0.3, 0.6]}"}, "hertz: nu: expected two numbers from 0"),
     ({"exponent": "0.5"}, "exponent: expected 1 or more, got 0.5"),
-    ({"patch": "[0, 1]"}, "patch: belongs to hertz"),
+    ({"patch": "[0, 1]"}, "patch: expected with hertz"),
     (HERTZ | {"patch": "[0]"}, "patch: expected two radii"),
     ({"friction": "0.3"}, "tangential_stiffness: needed with friction"),
     ({"tangential_stiffness": "1e5"}, "friction: needed with tangential_stiffness"),

@@ -100,7 +100,7 @@ def test_a_new_joint_must_be_closed_where_the_state_begins(coarse, tmp_path):
     model = machine(coarse, LAST)
     start = first_run(model, tmp_path / "first.h5")
     hook = Spherical("ground", "arm.end", name="hook")
-    with pytest.raises(StateError, match=r"joint 'hook': is open by 0\.\d+ m where the state"):
+    with pytest.raises(StateError, match=r"joint 'hook': is open by 0\.\d+ m in the state"):
         simulate(replace(model, joints=(*model.joints, hook)).with_settings(start=start))
     end = simulate(model.with_settings(t_end=FIRST * H)).frame("arm.end").position[-1]
     model = replace(model, ground_frames={**model.ground_frames, "hook": Frame(end)})
@@ -138,7 +138,7 @@ def test_results_that_another_run_has_replaced_are_refused(coarse, tmp_path):
     start = first_run(model, tmp_path / "first.h5")
     simulate(model, output=tmp_path / "other.h5")
     (tmp_path / "other.h5").rename(tmp_path / "first.h5")
-    with pytest.raises(StateError, match=r"first.h5: results of another run than the state beside"):
+    with pytest.raises(StateError, match=r"first.h5: the results and the state beside them are"):
         simulate(model.with_settings(start=start))
 
 
@@ -194,8 +194,8 @@ def test_what_does_not_fit_is_named(coarse, tmp_path):
     model = model.with_settings(start=start)
     rigid = RigidBody(0.0429, [1e-6, 1e-3, 1e-3], {"root": Frame(), "tip": Frame()})
     cases = {
-        "body 'beam': another superelement": changed_element(model, mass=0.05),
-        r"start: the state is of another step, rho_inf or rule \(h\)": model.with_settings(
+        "body 'beam': its superelement is not that of the state": changed_element(model, mass=0.05),
+        r"the state was computed with another step, rho_inf or rule \(h\)": model.with_settings(
             step=2 * H
         ),
         "body 'beam': its history was direct, is fft": model.with_settings(history="fft"),
@@ -227,7 +227,7 @@ def test_a_simulator_starts_from_a_state_too(coarse, tmp_path):
     assert check(model.with_settings(start=start)).degrees_of_freedom == 1
     convolved = model.with_settings(history="direct")
     start = first_run(convolved, tmp_path / "direct.h5")
-    with pytest.raises(ModelError, match="start: a Simulator goes on from recursive history alone"):
+    with pytest.raises(ModelError, match="start: a Simulator continues a run only"):
         Simulator(convolved.with_settings(start=start), [])
 
 
@@ -245,7 +245,7 @@ def test_a_model_file_names_the_run_beside_it(coarse, tmp_path):
     results = simulate(read_model(tmp_path / "model.toml"))
     assert results.time[0] == FIRST * H
     (tmp_path / "first.h5.checkpoint").unlink()
-    with pytest.raises(StateError, match=r"first.h5.checkpoint: no such file: the run kept no"):
+    with pytest.raises(StateError, match=r"first.h5.checkpoint: no such file: the run saved no"):
         simulate(read_model(tmp_path / "model.toml"))
 
 

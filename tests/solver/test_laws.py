@@ -256,7 +256,7 @@ REFUSED = {
     ),
     "a curve that falls at its end": (
         lambda: TabulatedDamperLaw((-1.0, 0.0, 1.0, 2.0), (-1.0, 0.0, 3.0, 2.0)),
-        "force: expected one that does not fall beyond the last points",
+        "force: must not fall beyond the last points",
     ),
     "a ratio beyond one": (lambda: BoucWenLaw(0.1, 1.0, 1.2), "post_yield: expected a number fro"),
     "a yield point at zero": (lambda: BoucWenLaw(0.0, 1.0), "yield_deformation: expected a posi"),
@@ -278,7 +278,7 @@ REFUSED = {
     "a law that is no function": (lambda: UserLaw(3.0), "function: expected a Python function"),
     "a memory that is never set": (
         lambda: UserLaw(cubic, [1.0, 0.0], memory=[0.0]),
-        "memory: a law with a memory needs an update of it",
+        "memory: expected memory and update together",
     ),
 }
 

@@ -96,7 +96,7 @@ def test_a_drive_shakes_what_stands_on_its_base():
     np.testing.assert_allclose(found[:, 0] / found[:, 1], passed, rtol=1e-9)
     np.testing.assert_allclose(found[:, 1], s**2, rtol=1e-9)
     np.testing.assert_allclose(found[:, 2], 5.0 * s**2 + 2.0 * s**2 * passed, rtol=1e-8)
-    with pytest.raises(ModelError, match="drive:table: a drive moves its joint at once"):
+    with pytest.raises(ModelError, match="drive:table: a drive cannot be an input"):
         linearize(model).state_space(["drive:table"], outputs)
 
 
@@ -251,7 +251,7 @@ def test_a_kernel_that_has_not_decayed_has_no_transfer_function(random_element, 
     body = FlexibleBody(element, Start(-element.interface("i0").X))
     settings = Settings(t_end=0.1, step=1e-3, rho_inf=0.9)
     linear = linearize(Model({"body": body}, settings=settings))
-    with pytest.raises(ModelError, match="superelement 'random 7' is known by a kernel alone"):
+    with pytest.raises(ModelError, match="superelement 'random 7' has no modes"):
         linear.frf(["force:body.i1:y"], ["position:body.i1:y"], [10.0])
 
 
@@ -317,7 +317,7 @@ def test_inputs_and_outputs_that_there_are_not(line):
     for name, message in {
         "gas": "gas: no such input; there are: none, and force:FRAME",
         "load:1": "load:1: expected load:1 to load:0",
-        "drive:clamp": "drive:clamp: nothing drives 'clamp', or an attitude; driven are: none",
+        "drive:clamp": "drive:clamp: no scalar drive of 'clamp'; there are: none",
         "force:beam.tip": "force:beam.tip: expected force:BODY|FRAME:x|y|z",
         "force:bean.tip:x": "force:bean.tip:x: no body or frame 'bean.tip'",
     }.items():
@@ -330,7 +330,7 @@ def test_inputs_and_outputs_that_there_are_not(line):
 
 
 def test_free_motions_have_no_static_response(line):
-    with pytest.raises(ModelError, match="no response at 0 Hz: the model resonates"):
+    with pytest.raises(ModelError, match="no finite response at 0 Hz: an undamped"):
         linearize(held(line)).static(["force:beam.tip:x"], ["position:beam.tip:x"])
 
 

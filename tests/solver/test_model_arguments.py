@@ -138,7 +138,7 @@ def test_settings_must_suit_the_mechanism():
     model = pendulum()
     moving = replace(model.bodies["bob"], start=Start(velocity=[0, 1, 0]))
     moving = replace(model, bodies={"bob": moving})
-    message = "body 'bob': velocity: start = 'equilibrium' allows none"
+    message = "body 'bob': velocity: start = 'equilibrium' takes no velocity"
     with pytest.raises(ModelError, match=re.escape(message)):
         simulate(moving, Settings(t_end=0.1, step=1e-3, start="equilibrium"))
 

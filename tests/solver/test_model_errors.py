@@ -132,7 +132,7 @@ MADE = {
     ),
     "a second axis without the first": (
         lambda: Spring("s", "bushing", ("ground", "a"), second_axis=[0, 0, 1]),
-        "spring 's': second_axis: a bushing spring takes one beside axis, got [0.0, 0.0, 1.0]",
+        "spring 's': second_axis: a bushing spring takes one only with axis, got [0.0, 0.0, 1.0]",
     ),
     "a second axis of a torsion spring": (
         lambda: Spring("s", "torsion", ("ground", "a"), [0, 0, 1], second_axis=[0, 1, 0]),
@@ -320,7 +320,7 @@ STARTED = {
     ),
     "no step": (
         lambda: model(step=None),
-        "simulation: step: a model without superelements needs one",
+        "simulation: step: required in a model without superelements",
     ),
 }
 

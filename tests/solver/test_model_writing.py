@@ -287,7 +287,7 @@ def test_defaults_are_left_out(tmp_path):
     [
         (
             lambda model: {"bodies": {**model.bodies, "e": replace(model.bodies["e"], source="")}},
-            "body 'e': its superelement is in no file",
+            "body 'e': its superelement is not in a file",
         ),
         (
             lambda model: {"loads": [Force("b0.f", [1, 0, 0], Function(np.sin))]},

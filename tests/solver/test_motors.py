@@ -646,7 +646,7 @@ WRONG = {
     ),
     "a rate of no reference": (
         {"reference_rate": Constant(1.0), "stiffness": 1.0, "damping": 1.0},
-        r"reference_rate: needs the reference",
+        r"reference_rate: needs reference",
     ),
     "a negative gain": ({"stiffness": -1.0}, r"stiffness: expected a number of at least 0"),
     "no limit": ({"limit": 0.0}, r"limit: expected a positive number, or a lower and a higher"),
@@ -654,7 +654,7 @@ WRONG = {
     "a speed alone": ({"speed": 1.0}, r"speed: needs limit"),
     "a speed to one side": ({"speed": 1.0, "limit": (1.0, 2.0)}, r"speed: needs a limit on both"),
     "a tracking time alone": ({"tracking_time": 1.0}, r"tracking_time: needs integral and limit"),
-    "an integral alone": ({"integral": 1.0, "limit": 1.0}, r"tracking_time: integral alone"),
+    "an integral alone": ({"integral": 1.0, "limit": 1.0}, r"tracking_time: required with"),
     "a number": ({"torque": 3.0}, r"motor 'm': torque: expected a signal"),
 }
 

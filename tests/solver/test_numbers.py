@@ -192,7 +192,7 @@ def test_a_drive_that_accelerates_is_refused_where_its_rate_is_rounding():
     assert crest.derivatives(0.0)[0] != 0.0
     slide = Prismatic("ground", "bob", Z, name="slide", distance=crest)
     settings = Settings(t_end=0.6, step=1e-3, start="equilibrium", assemble=True)
-    with pytest.raises(ModelError, match="takes drives without acceleration"):
+    with pytest.raises(ModelError, match="needs drives without acceleration"):
         simulate(Model({"bob": RigidBody(1.0, UNIT)}, [slide], settings=settings))
 
 

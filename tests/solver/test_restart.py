@@ -206,7 +206,7 @@ def test_it_is_so_where_memory_ends(coarse, history, tmp_path):
     in_parts(model, tmp_path / "parts.h5", 37, 50, 80)
     assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
     in_parts(model, tmp_path / "short.h5", 20)
-    with pytest.raises(StateError, match="'beam': memory: its impulse responses are cut off in"):
+    with pytest.raises(StateError, match="'beam': memory: its impulse responses are truncated in"):
         simulate(model, output=tmp_path / "short.h5", resume=True)
 
 
@@ -269,7 +269,7 @@ def test_a_run_goes_on_after_an_interrupt(coarse, at, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         simulate(broken, output=path)
     if at == 0:  # there was no state yet
-        with pytest.raises(StateError, match=f"{path}: no such file: there is no run to go on"):
+        with pytest.raises(StateError, match=f"{path}: no such file: there is no run to continue"):
             simulate(broken, output=path, resume=True)
         return
     assert read_state(tmp_path / "parts.h5.checkpoint").snapshot.step < at
@@ -415,10 +415,10 @@ def test_another_compiler_is_refused_for_it_rounds_otherwise(coarse, tmp_path, m
 
 def test_what_is_missing_or_of_another_run_is_named(coarse, tmp_path):
     model, path, state = machine(coarse, 20), tmp_path / "out.h5", tmp_path / "out.h5.checkpoint"
-    with pytest.raises(StateError, match=f"{path}: no such file: there is no run to go on with"):
+    with pytest.raises(StateError, match=f"{path}: no such file: there is no run to continue"):
         simulate(model, output=path, resume=True)
     simulate(model, output=path)
-    with pytest.raises(StateError, match=f"{state}: no such file: the run kept no state"):
+    with pytest.raises(StateError, match=f"{state}: no such file: the run saved no state"):
         simulate(model, output=path, resume=True)
     in_parts(model, path, 10)
     kept = state.read_bytes()

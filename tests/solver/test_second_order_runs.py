@@ -69,7 +69,7 @@ def test_a_state_of_other_terms_is_refused_by_the_key(element, tmp_path):
     with pytest.raises(StateError, match=r"bodies\.beam\.second_order: was True, is False"):
         simulate(without(model), output=tmp_path / "run.h5", resume=True)
     start = first_run(model, tmp_path / "first.h5")
-    with pytest.raises(StateError, match="body 'beam': second_order: had terms that it has not"):
+    with pytest.raises(StateError, match="body 'beam': second_order: in use in only one"):
         simulate(without(model).with_settings(start=start))
 
 

@@ -287,7 +287,7 @@ def test_a_results_file_holds_the_steps_before_an_error_or_an_early_end(coarse, 
     with pytest.raises(ModelError, match="restore: expected a Simulator without a results file"):
         simulator.restore(moment)
     assert simulator.finish().time.tolist() == [0.0, H]
-    with pytest.raises(ModelError, match="the results have been ended"):
+    with pytest.raises(ModelError, match="finish has already ended the results"):
         simulator.step([1.0])
     with pytest.raises(ModelError, match="finish: this Simulator writes no results"):
         Simulator(model, OUTPUTS).finish()

@@ -247,7 +247,7 @@ def falling(**settings):
 IMPOSSIBLE = {
     "rates at odds": (
         lambda: contradictory(A={"angle_rate": 2.0}, D={"angle_rate": 1.0}),
-        r"joint '[AD]': no velocities of rigid motion satisfy it at the start",
+        r"joint '[AD]': no rigid-body velocities satisfy it at the start",
     ),
     "angles at odds": (
         lambda: contradictory(A={"angle": 0.3}, D={"angle": 0.1}),
@@ -261,7 +261,7 @@ IMPOSSIBLE = {
     ),
     "a velocity": (
         lambda: pendulum(velocity=[0, 1, 0], start="equilibrium"),
-        r"body 'bob': velocity: start = 'equilibrium' allows none but steady_rotation, got "
+        r"body 'bob': velocity: start = 'equilibrium' takes no velocity but steady_rotation, got "
         r"\[0.0, 1.0, 0.0\]",
     ),
     "a rate": (

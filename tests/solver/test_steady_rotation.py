@@ -269,7 +269,7 @@ REFUSED = {
     ),
     "a drive that accelerates": (
         lambda: disk(drive=Polynomial((0.0, 20.0, 1.5)), **TURNING),
-        "joint 'pivot': start = 'equilibrium' takes drives without acceleration at t = 0, got 3",
+        "joint 'pivot': start = 'equilibrium' needs drives without acceleration at t = 0, got 3",
     ),
 }
 

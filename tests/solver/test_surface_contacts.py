@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Fixed,
     FlexibleBody,
     Frame,
     MissedContactError,
@@ -22,12 +23,17 @@ from duhamel.solver import (
 from duhamel.solver.checkpoint.carried import Snapshot, carried
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.step.complementarity import solve_complementarity
-from duhamel.solver.step.facets import facet_functions
+from duhamel.solver.step.facets import (
+    facet_functions,
+    point_of_facet,
+    shape_target,
+    walk_to_foot,
+)
 from duhamel.solver.step.frames import move_frames
 from duhamel.solver.step.surfaces import press_surfaces
 from scipy.spatial.transform import Rotation
 
-from .pressing import EDGE, Motion, block
+from .pressing import EDGE, Motion, arm, block
 
 H, LONG = 2e-7, 1e-6
 PLANE = {"shape": "plane", "axis": [0.0, 0.0, 1.0]}
@@ -339,6 +345,41 @@ def test_a_block_on_a_hinge_bounces_and_keeps_its_energy():
     assert motion.energies[-1] / motion.energies[0] > 1.0 - 2e-3
 
 
+@pytest.mark.parametrize("step", [2e-6, 1e-6])
+def test_a_clamped_arm_that_swings_into_a_wall_does_not_enter_it(step):
+    """Its body stands still: only its deformation closes the contact."""
+    body = FlexibleBody(arm(), Start([0.04, 0.0, 0.002 + 1e-5]))
+    contact = SurfaceContact("floor", ["block.low", "ground"], **PLANE)
+    clamped = model(
+        [contact],
+        body=body,
+        joints=[Fixed("ground", "block.root")],
+        gravity=[0.0, 0.0, -2e4],
+        step=step,
+        steps=400,
+    )
+    motion = Motion(clamped)
+    X = motion.system.surfaces.patches.X
+    for _ in range(400):
+        assert motion.step()
+        x, R = motion.state.bodies.x[0], motion.state.bodies.R[0]
+        place = x + (X + motion.state.surfaces.u) @ R.T
+        assert not motion.work.surfaces.awake[0] or place[:, 2].min() > -1e-12
+    assert motion.closings > 1
+
+
+@pytest.mark.parametrize("ratio", [2, 5])
+def test_long_steps_in_flight_end_before_a_contact_closes(ratio):
+    def flown(step, **settings):
+        body = falling(position=[0.0, 0.0, 0.05], velocity=[0.0, 0.0, -100.0])
+        return simulate(model(body=body, step=step, steps=round(6e-4 / step), settings=settings))
+
+    short, long = flown(2e-7), flown(ratio * 2e-7, contact_step=2e-7)
+    velocities = [run.body("block").velocity[-1] for run in (short, long)]
+    assert velocities[0][2] > 50.0
+    np.testing.assert_allclose(velocities[1], velocities[0], atol=1e-6)
+
+
 def test_a_run_goes_on_from_a_closed_contact_to_the_bit():
     turned = {"angular_velocity": [3.0, 1.0, 2.0]}
     motion, again = (Motion(meeting(other=BELOW | turned)) for _ in range(2))
@@ -499,3 +540,89 @@ def test_facets_that_turn_their_backs_on_each_other_are_refused(tmp_path):
         ModelError, match=r"flat\.vtk: expected facets with an area, found 1 without"
     ):
         of_file(path)
+
+
+# Feet on facets
+
+
+def feet(motion, points, first):
+    """Facets, feet and whether they are covered, of points above the target of a contact."""
+    system, out = motion.system, motion.work.surfaces
+    facets, t = system.surfaces.facets, int(system.surfaces.contacts.target[0])
+    shape_target(facets, t, system.surfaces.patches.X, out)
+    found = []
+    for point in points:
+        f, a, b, covered = walk_to_foot(facets, t, tuple(point), int(facets.range[t]) + first, out)
+        foot, _, _ = point_of_facet(facets, t, f, a, b, out)
+        found.append((*foot, covered))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("first", [0, 5, 10, 15])
+def test_feet_are_below_points_also_on_edges_and_corners_of_facets(first):
+    """Of a flat grid of 4 x 4 facets, from any facet on; points beyond the rim are not covered."""
+    motion = Motion(model([ON_BLOCK], others={"other": resting(block(4))}))
+    lines = np.linspace(-0.5, 0.5, 9) * EDGE
+    inner = lines[1:-1]
+    shift = 1e-16 * np.random.default_rng(first).integers(-5, 6, (49, 2))
+    points = np.array([[x, y] for x in inner for y in inner]) + shift
+    level = np.full((len(points), 1), 0.5 * EDGE)
+    found = feet(motion, np.hstack([points, level + 1e-5]), first)
+    np.testing.assert_allclose(found[:, :3], np.hstack([points, level]), atol=1e-12)
+    assert found[:, 3].all()
+    beyond = [[0.6 * EDGE, y, 0.5 * EDGE] for y in lines]
+    assert not feet(motion, beyond, first)[:, 3].any()
+
+
+def globe(path, radius, n=12):
+    """A sphere of triangles: the faces of a cube, inflated."""
+    side = np.tan(np.linspace(-0.25, 0.25, n + 1) * np.pi)
+    a, b = (x.ravel() for x in np.meshgrid(side, side, indexing="ij"))
+    points, triangles, one = [], [], np.ones_like(a)
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            face = np.roll(np.column_stack([sign * one, a, sign * b]), axis, axis=1)
+            for i, k in itertools.product(range(n), range(n)):
+                p = len(points) * (n + 1) ** 2 + i * (n + 1) + k
+                triangles += [[p, p + n + 1, p + n + 2], [p, p + n + 2, p + 1]]
+            points.append(face)
+    x = np.concatenate(points)
+    return write_facets(path, radius * x / np.linalg.norm(x, axis=1)[:, None], triangles)
+
+
+def test_a_sphere_of_triangles_is_nearly_the_sphere(tmp_path):
+    """Its arcs are as high as those of the circle; flat facets miss the height of a chord."""
+    radius = 0.02
+    path = globe(tmp_path / "globe.vtk", radius)
+    center = [1.3e-4, -2.1e-4, -radius]
+    rigid = RigidBody(1.0, [1e-3] * 3, {"top": Frame()}, Start(center))
+    # Weighted gaps of these large facets are smaller than gaps by a sixth of s^2 / R.
+    body = falling(block(4), position=[0.0, 0.0, 0.5 * EDGE + 5e-5])
+
+    def motion(**shape):
+        contact = SurfaceContact("floor", ["block.low", "other.top"], **shape)
+        run = Motion(model([contact], body=body, others={"other": rigid}))
+        assert run.warnings == ()
+        assert run.step(400)
+        return run
+
+    exact = motion(shape="sphere", radius=radius)
+    smooth, flat = (motion(facets=path, geometry=how) for how in ("smooth", "flat"))
+    rises = smooth.lowered.system.surfaces.facets.rise
+    assert exact.closings == 1
+    assert max(smooth.forces) == pytest.approx(max(exact.forces), rel=1e-3)
+    assert smooth.impulse == pytest.approx(exact.impulse, rel=1e-3)
+    first, late, lower = ((np.array(run.forces) > 0.0).argmax() for run in (exact, smooth, flat))
+    # 1 m/s: heights of 2e-7 m, and of a part of those of the arcs, 4e-5 m
+    assert late - first <= 1
+    assert 20 < lower - first < 200
+    patch = smooth.lowered.system.surfaces
+    t = int(patch.contacts.target[0])
+    first, last = patch.facets.range[t : t + 2]
+    corners = patch.patches.X[patch.facets.nodes[first:last, :3]]
+    chords = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    heights = radius - np.sqrt(radius**2 - 0.25 * chords**2)
+    # The mean normals of irregular facets are not quite those of the sphere.
+    ratios = rises[first:last, :3] / heights
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.02)
+    assert 0.6 < ratios.min() < ratios.max() < 1.4

@@ -2,6 +2,8 @@
 
 import doctest
 import importlib
+import inspect
+import pickle
 import pkgutil
 
 import duhamel
@@ -146,7 +148,7 @@ def test_handles_name_bodies_frames_and_couplings(element):
     assert wall == m.ground["wall"]
     assert m.add(du.RigidBody(1.0, [1.0] * 3)).name == "body1"
     assert m.add(element).name == "beam"
-    assert repr(m).startswith("<Mechanism: bodies hub, rod, body1, beam; 2 joints; 1 springs")
+    assert repr(m).startswith("<Mechanism: bodies hub, rod, body1, beam; 2 joints; 1 spring;")
 
 
 def test_a_run_has_its_parts_by_name_and_by_handle(element):
@@ -189,7 +191,10 @@ def test_pictures_are_saved_and_shown_in_notebooks(element, tmp_path):
     assert picture.save(tmp_path / "run.png").stat().st_size > 10_000
     assert picture._repr_png_().startswith(b"\x89PNG")
     assert run.plot().figure.axes
-    assert [peak.quantity for peak in run.peaks("hinge.angle")] == ["coordinate:hinge:angle"]
+    found = run.peaks("hinge.angle")
+    assert [peak.quantity for peak in found] == ["coordinate:hinge:angle"]
+    assert str(found).startswith("quantity ")
+    assert "coordinate:hinge:angle  rad " in str(found)
 
 
 def test_a_mechanism_is_drawn_at_its_start(element, tmp_path):
@@ -247,6 +252,14 @@ def test_a_simulator_steps_the_same_motion(element):
         (lambda m: m.ground["wall"], "no frame 'wall' on 'ground'; it has: none"),
         (lambda m: m["leg"], "nothing is named 'leg'; there are: hub, rod, hinge"),
         (lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="hub"), "named 'hub' is there already"),
+        (
+            lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="hinge"),
+            "'hinge' is there already, and",
+        ),
+        (
+            lambda m: m.add(du.joints.Fixed(m.ground, m["hub"], name="rod")),
+            "'rod' is there already",
+        ),
         (lambda m: m.add(du.RigidBody(1.0, [1.0] * 3), name="ground"), "cannot be named 'ground'"),
         (lambda m: m.add(du.joints.Fixed(m.ground, m["hub"], name="hinge")), "'hinge' is there"),
         (lambda m: m.add(du.joints.Revolute(m.ground, m["hub"], "q")), "axis: expected three"),
@@ -265,6 +278,37 @@ def test_what_cannot_be_is_one_line(element, spoil, message):
         spoil(m)
     assert message in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+def test_a_handle_of_another_mechanism_is_refused(element):
+    m, other = pendulum(element), pendulum(element)
+    wall = other.ground.frame("wall")
+    m.ground.frame("wall")
+    stop = {"stiffness": 1e4, "name": "second"}
+    named = pytest.raises(solver.ModelError, match=r"is of another mechanism, <Mechanism: bodies")
+    for foreign in (
+        lambda: m.add(du.joints.Fixed(m["hub"], other["rod"]["tip"], name="weld")),
+        lambda: m.add(du.joints.Fixed(wall, m["rod"]["tip"], name="weld")),
+        lambda: m.add(du.loads.Force(other["hub"], "z", du.signals.Constant(1.0))),
+        lambda: m.add(du.stops.stop(other["hinge"], "angle", (-1.0, 1.0), **stop)),
+        lambda: m.add(element, name="blade", place={"root": other["hub"]["rim"]}),
+    ):
+        with named:
+            foreign()
+    # Names are those of any mechanism, and so is what has names alone.
+    load = du.loads.Force("rod.tip", "z", du.signals.Constant(1.0))
+    assert m.add(other.add(load)).on == "rod.tip"
+    assert pickle.loads(pickle.dumps(m.model())).joints[0].name == "hinge"
+
+
+def test_joints_show_what_they_take():
+    assert list(inspect.signature(du.joints.Prismatic).parameters)[:4] == [
+        "frame_a",
+        "frame_b",
+        "axis",
+        "name",
+    ]
+    assert list(inspect.signature(solver.Joint).parameters)[:2] == ["name", "type"]
 
 
 def test_a_part_is_no_body_yet():

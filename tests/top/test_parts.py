@@ -142,6 +142,10 @@ def test_what_looks_wrong_is_a_warning():
         (lambda: bar().load("p", pressure=1.0), "part 'bar': loads: p: pressure: expected what it"),
         (lambda: bar().mass("m", -1.0, interface="tip"), "part 'bar': masses: m: mass: "),
         (lambda: bar().superelement(), "part 'bar': step: expected that of the impulse responses"),
+        (
+            lambda: bar().superelement(step=1e-5, durration=1.0),
+            "part 'bar': unknown keyword 'durration'; known are step, duration, band",
+        ),
         (lambda: bar().superelement(step=1e-5, duration=-1.0), "duration: expected a positive"),
         (
             lambda: bar().superelement(step=1e-5, band=1e9),

@@ -46,6 +46,7 @@ def test_an_energy_has_no_axis(results):
     ("quantity", "message"),
     [
         ("speed:disc", "speed:disc: no quantity 'speed'; there are: position:BODY|FRAME"),
+        ("von_mises:beam", "von_mises:beam: a field .* `duhamel peaks .* plot .* --field"),
         ("angle", r"angle: expected angle:BODY|FRAME\[:x|y|z\]"),
         ("angle:disc:w", r"angle:disc:w: expected angle"),
         (

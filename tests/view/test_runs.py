@@ -150,7 +150,7 @@ def test_stars_of_both_sides_stand_for_the_same(results):
 
 
 def test_a_star_for_too_many_draws_the_largest_and_says_so(results, monkeypatch):
-    monkeypatch.setattr("duhamel.view.runs.MOST_CURVES", 2)
+    monkeypatch.setattr("duhamel.view.runs.MAX_STAR_CURVES", 2)
     with pytest.warns(view.PictureWarning, match=r"velocity:\*:x: stands for 4 curves, of which t"):
         found = view.panel([view.Run("", results, "")], "velocity:*:x")
     assert len(found) == 2

@@ -4,8 +4,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 from duhamel import view
-from duhamel.view.labels import apart
-from duhamel.view.scene import color
+from duhamel.view.scene import apart, color
 
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float

@@ -5,42 +5,31 @@ import json
 import numpy as np
 
 from ..field_kinds import scale_of
-from .markup import Markup, element, joined, note
+from ..prefixes import seconds
+from .markup import Markup, rendered
 from .motion import Motion
-from .numbers import counted, seconds, short, vector
+from .numbers import counted, short, vector
 from .scene import cameras, color_bar, placed, square
 from .still import still
 
-SPEEDS = (("× 1/20", 0.05), ("× 1/5", 0.2), ("× 1/2", 0.5), ("× 1", 1.0), ("× 2", 2.0))
-FASTEST_TURN = 0.6
-"""between instants, above which the motion between them is not what is seen [rad]"""
-MOST_NAMED = 40
-"""bodies beside the animation"""
-
-
-HOW = (
-    "Turn with the left button, shift with the right one, zoom with the wheel. The dashed line in "
-    "the plots is at the time of the animation, and a click on a curve goes to its time."
-)
+# Of a body between instants [rad]: above it, the eye takes what is drawn for another motion.
+MAX_SEEN_TURN = 0.6
+# Below the animation: more would push the plots off the screen.
+MAX_NAMED_BODIES = 40
 
 
 def animation(motion: Motion) -> Markup:
     """Stage and controls, filled by the script of the page."""
-    return joined(
-        [
-            element(
-                "div",
-                element("div", id="canvas"),
-                element("div", id="names-of-marks"),
-                _bar(motion),
-                _still(motion),
-                id="stage",
-            ),
-            _controls(motion),
-            _legend(motion),
-            element("p", HOW, class_="note moving"),
-            note(" ".join(remarks(motion))),
-        ]
+    bodies = [(shape.name, shape.color) for shape in motion.shapes if shape.values is None]
+    return rendered(
+        "animation.html",
+        bar=_bar(motion),
+        middle=seconds(float(motion.time[len(motion.time) // 2])),
+        still=still(motion),
+        cameras={name: json.dumps(placed(camera)) for name, camera in cameras(motion).items()},
+        legend=[*bodies[:MAX_NAMED_BODIES], *motion.moving.legend],
+        not_named=max(len(bodies) - MAX_NAMED_BODIES, 0),
+        remarks=remarks(motion),
     )
 
 
@@ -69,7 +58,7 @@ def remarks(motion: Motion) -> list[str]:
         + f", straight between them; {drawn} of {whole} points of the bodies, rounded to 1/16000 "
         f"of their size."
     )
-    if motion.turn > FASTEST_TURN:
+    if motion.turn > MAX_SEEN_TURN:
         lines.append(
             f"Between two instants a body turns by up to {motion.turn / (2 * np.pi):.2g} "
             f"revolutions: what is seen between them is not the motion, and wheels may seem to "
@@ -88,60 +77,14 @@ def _deforms(motion: Motion) -> bool:
     return any(shape.u is not None for shape in motion.shapes)
 
 
-def _bar(motion: Motion) -> Markup | str:
+def _bar(motion: Motion) -> dict[str, object] | None:
     """The scale of colors, with its unit."""
     field, largest = motion.deforming.field, motion.largest
     if not field or largest <= 0.0:
-        return ""
+        return None
     scale = scale_of(field, largest)
-    parts = (1.0, 0.75, 0.5, 0.25, 0.0)
-    ticks = [element("span", short(largest * part / scale.factor, 3)) for part in parts]
-    gradient = f"background:linear-gradient({','.join(color_bar())})"
-    return element(
-        "div",
-        element("div", f"{scale.words} [{scale.unit}]", class_="of"),
-        element("div", class_="scale", style=gradient),
-        element("div", *ticks, class_="ticks"),
-        id="bar",
-    )
-
-
-def _still(motion: Motion) -> Markup:
-    middle = seconds(float(motion.time[len(motion.time) // 2]))
-    return Markup(f'<img id="still" alt="The bodies at {middle}" src="{still(motion)}">')
-
-
-def _controls(motion: Motion) -> Markup:
-    speeds = [
-        Markup(f'<option value="{value}"{" selected" if value == 1.0 else ""}>{text}</option>')
-        for text, value in SPEEDS
-    ]
-    views = [
-        element("button", name, type="button", data_camera=json.dumps(placed(camera)))
-        for name, camera in cameras(motion).items()
-    ]
-    return element(
-        "div",
-        element("button", "▶ Play", type="button", id="play"),
-        Markup('<input type="range" id="when" aria-label="time" value="0">'),
-        element("output", "", id="clock"),
-        element("select", *speeds, id="speed", aria_label="speed"),
-        *views,
-        element("label", Markup('<input type="checkbox" id="names" checked> '), "names"),
-        id="controls",
-    )
-
-
-def _legend(motion: Motion) -> Markup:
-    """Colors of bodies that have no field, and of marks."""
-    items = [_item(shape.name, shape.color) for shape in motion.shapes if shape.values is None]
-    if len(items) > MOST_NAMED:
-        more = element("li", f"and {len(items) - MOST_NAMED} more bodies")
-        items = [*items[:MOST_NAMED], more]
-    items += [_item(kind, color) for kind, color in motion.moving.legend]
-    return element("ul", *items, class_="bodies")
-
-
-def _item(name: str, color: str) -> Markup:
-    swatch = element("span", class_="swatch", style=f"background:{color}")
-    return element("li", swatch, name)
+    return {
+        "label": f"{scale.words} [{scale.unit}]",
+        "colors": color_bar(),
+        "ticks": [short(largest * part / scale.factor, 3) for part in (1.0, 0.75, 0.5, 0.25, 0.0)],
+    }

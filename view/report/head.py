@@ -1,47 +1,40 @@
 """The head of a report: what was run, and how far it can be trusted."""
 
+from collections.abc import Iterator
+
 from ...results import Results
 from ...results.validity import MAX_SHOWN_WARNINGS
-from .markup import Markup, element, facts, joined
-from .numbers import counted, seconds
+from ..prefixes import seconds
+from .numbers import counted
 from .origin import Origin, opening
 
 
-def head(results: Results, origin: Origin, title: str) -> Markup:
-    """Title, verdict, summary."""
-    about = opening(results.model)
-    return element(
-        "header",
-        element("h1", title),
-        verdict(results),
-        element("p", sentence(results)),
-        element("p", about, class_="about") if about else "",
-        facts(_facts(results, origin)),
-    )
+def head(results: Results, origin: Origin) -> dict[str, object]:
+    """What the template of the page says of a run above its sections."""
+    kind, text, warnings = judged(results)
+    return {
+        "kind": kind,
+        "text": text,
+        "warnings": warnings,
+        "sentence": sentence(results),
+        "about": opening(results.model),
+        "facts": list(_facts(results, origin)),
+    }
 
 
-def verdict(results: Results) -> Markup:
-    """Whether a limit was exceeded, with the names of what exceeds it."""
-    checks = results.validity.checks
-    poor = [check for check in checks if check.verdict == "poor"]
-    if not results.solver.get("finished", True):
-        unfinished = "The run did not come to its end: what follows is as far as it got. "
-    else:
-        unfinished = ""
-    if poor:
-        lines = [element("li", line) for line in results.validity.warnings[:MAX_SHOWN_WARNINGS]]
-        if len(poor) > MAX_SHOWN_WARNINGS:
-            lines.append(
-                element(
-                    "li", f"and {len(poor) - MAX_SHOWN_WARNINGS} more: see the table of validity"
-                )
-            )
-        text = f"{unfinished}{results.validity.summary}"
-        return element("div", element("strong", text), element("ul", *lines), class_="verdict poor")
-    verdicts = {check.verdict for check in checks}
+def judged(results: Results) -> tuple[str, str, list[str]]:
+    """ "good", "fair" or "poor", why, and a line for each limit that is passed."""
+    checks, text = results.validity.checks, results.validity.summary
+    if unfinished := not results.solver.get("finished", True):
+        text = f"The run did not come to its end: what follows is as far as it got. {text}"
+    verdicts = [check.verdict for check in checks]
+    if poor := verdicts.count("poor"):
+        warnings = list(results.validity.warnings[:MAX_SHOWN_WARNINGS])
+        if poor > MAX_SHOWN_WARNINGS:
+            warnings.append(f"and {poor - MAX_SHOWN_WARNINGS} more: see the table of validity")
+        return "poor", text, warnings
     good = "good" in verdicts and "fair" not in verdicts and not unfinished
-    text = unfinished + results.validity.summary
-    return element("div", text, class_=f"verdict {'good' if good else 'fair'}")
+    return "good" if good else "fair", text, []
 
 
 def sentence(results: Results) -> str:
@@ -69,19 +62,11 @@ def sentence(results: Results) -> str:
     return f"{', '.join(parts)}; {duration}{steps}{length}."
 
 
-def _facts(results: Results, origin: Origin) -> list[tuple[str, object]]:
+def _facts(results: Results, origin: Origin) -> Iterator[tuple[str, str]]:
     from importlib.metadata import version
 
     written = origin.written.strftime("%Y-%m-%d %H:%M %Z") if origin.written else ""
-    return [
-        ("Results", str(origin.path) if origin.path else "in memory"),
-        ("Written", written),
-        ("Run by", origin.created_by),
-        ("Reported by", f"duhamel {version('duhamel')}"),
-    ]
-
-
-def contents(parts: list[tuple[str, str]]) -> Markup:
-    """Links to the parts of the page, by identity and heading."""
-    links = [element("a", heading, href=f"#{identity}") for identity, heading in parts]
-    return element("nav", joined(links))
+    yield "Results", str(origin.path) if origin.path else "in memory"
+    yield "Written", written
+    yield "Run by", origin.created_by
+    yield "Reported by", f"duhamel {version('duhamel')}"

@@ -9,17 +9,19 @@ from types import ModuleType
 
 from ..errors import PictureError
 
-PLOTLY, K3D = "package_data/plotly.min.js", "static/standalone.js"
+# Within the packages, which bring their programs for pages without a network.
+PLOTLY_FILE = "package_data/plotly.min.js"
+K3D_FILE = "static/standalone.js"
 
 
 def plotly() -> str:
     """Plotly, compressed, as text that a page holds."""
-    return packed(_source("plotly", PLOTLY))
+    return packed(_source("plotly", PLOTLY_FILE))
 
 
 def k3d() -> str:
     """K3D with three.js, compressed, as text that a page holds."""
-    return packed(_source("k3d", K3D))
+    return packed(_source("k3d", K3D_FILE))
 
 
 def versions() -> str:

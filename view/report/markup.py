@@ -1,75 +1,71 @@
-"""HTML from values: every text is escaped, whatever it holds."""
+"""HTML from templates, in which every text is escaped, whatever it holds."""
 
 from collections.abc import Iterable, Sequence
-from html import escape
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from .libraries import package
+
+REPORT_FOLDER = files(__package__)
 
 
 class Markup(str):
-    """Text that is HTML already."""
+    """Text that is HTML already, which templates take as it is."""
+
+    def __html__(self) -> str:
+        return self
 
 
-def element(tag: str, *children: object, **attributes: object) -> Markup:
-    """An element; children that are no `Markup` are escaped as text.
-
-    A trailing underscore of an attribute is dropped, as in `class_`; others become hyphens.
-    """
-    names = (name.rstrip("_").replace("_", "-") for name in attributes)
-    written = (
-        f' {name}="{escape(str(value))}"'
-        for name, value in zip(names, attributes.values(), strict=True)
-    )
-    return Markup(f"<{tag}{''.join(written)}>{joined(children)}</{tag}>")
+def rendered(template: str, **values: object) -> Markup:
+    """A template of this folder with its values."""
+    return Markup(_environment().get_template(template).render(values))
 
 
-def joined(children: Iterable[object]) -> Markup:
-    """Children one after the other."""
-    return Markup("".join(map(markup, children)))
+def part(name: str, *values: object) -> Markup:
+    """A macro of parts.html with its values."""
+    return Markup(getattr(_environment().get_template("parts.html").module, name)(*values).strip())
 
 
-def markup(child: object) -> Markup:
-    """HTML as it is, and everything else as text.
-
-    Characters that UTF-8 has no code for, as of names of files, are escaped.
-    """
-    if isinstance(child, Markup):
-        return child
-    return Markup(escape(str(child).encode("utf-8", "backslashreplace").decode("utf-8")))
-
-
-def section(identity: str, heading: str, *children: object) -> Markup:
-    """A part of the page, with its heading."""
-    return element("section", element("h2", heading), *children, id=identity)
+def joined(parts: Iterable[Markup]) -> Markup:
+    """HTML one after the other."""
+    return Markup("".join(parts))
 
 
 def note(text: object) -> Markup:
     """A small remark."""
-    return element("p", text, class_="note")
+    return part("note", text)
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[object]], numbers: str = "") -> Markup:
     """A table; numbers: a letter for each column, "n" where numbers stand, to the right."""
-    kinds = numbers.ljust(len(headings), "t")
-    head = element("tr", *(_cell("th", h, kind) for h, kind in zip(headings, kinds, strict=True)))
-    body = (
-        element("tr", *(_cell("td", value, kind) for value, kind in zip(row, kinds, strict=True)))
-        for row in rows
-    )
-    whole = element("table", element("thead", head), element("tbody", *body))
-    return element("div", whole, class_="wide")
-
-
-def _cell(tag: str, value: object, kind: str) -> Markup:
-    return element(tag, value, class_="n") if kind == "n" else element(tag, value)
+    return part("table", headings, rows, numbers.ljust(len(headings), "t"))
 
 
 def facts(rows: Iterable[tuple[str, object]]) -> Markup:
     """Names and values, side by side."""
-    pairs = (
-        element("div", element("dt", name), element("dd", value)) for name, value in rows if value
-    )
-    return element("dl", *pairs)
+    return part("facts", rows)
 
 
-def folded(summary: str, *children: object) -> Markup:
+def folded(summary: str, content: Markup) -> Markup:
     """What opens at a click."""
-    return element("details", element("summary", summary), *children)
+    return part("folded", summary, content)
+
+
+def read(name: str) -> str:
+    """The text of a file of this folder."""
+    return REPORT_FOLDER.joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def _environment() -> Any:
+    # Jinja comes with the extra `report`: all of `duhamel.view` but reports works without it.
+    jinja2 = package("jinja2")
+    return jinja2.Environment(
+        loader=jinja2.FunctionLoader(read),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        # A misspelled name would leave a gap in the page that nobody sees.
+        undefined=jinja2.StrictUndefined,
+    )

@@ -18,23 +18,23 @@ from ..space.film import gravity_of
 from ..space.stage import NO_FIELD, Stage
 from .simplify import simplified
 
-MOST_POINTS = 12_000
-"""of all deforming surfaces"""
-MOST_RIGID = 60_000
-"""points of all rigid bodies"""
-POINT_FRAMES = 600_000
-"""points times instants of all deforming surfaces"""
-POSES = 40_000
-"""instants times bodies"""
-FRAMES, MOST_FRAMES = 121, 2001
-"""instants of a slow motion, and of any"""
-TURN = 0.2
-"""of a body between instants, if there can be so many [rad]"""
-FAR_AWAY = 100.0
-"""distance from the origin over the size of the model, from which on positions are rounded too
-much in single precision"""
+# Of all bodies. The limits below keep a page under 15 MB, which mail takes.
+MAX_DEFORMING_POINTS = 12_000
+# Rigid bodies are stored once, not at every instant.
+MAX_RIGID_POINTS = 60_000
+# Of all deforming surfaces.
+MAX_POINT_INSTANTS = 600_000
+# Instants times bodies.
+MAX_POSES = 40_000
+# Of a slow motion, and of any: a browser loads them all before it plays.
+LEAST_INSTANTS = 121
+MAX_INSTANTS = 2001
+# Of a body between instants, if there can be so many [rad]: straight ways between look round.
+WANTED_TURN = 0.2
+# Over the size of the model: beyond, positions in single precision would be seen to jump.
+FAR_FROM_ORIGIN = 100.0
+# Instants at which the camera looks for marks: near enough, and far fewer than all.
 MARK_SAMPLES = 61
-"""instants at which marks are looked for by the camera"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +128,15 @@ def motion(
     rows, turn = _instants(results, time, len(names))
     flexible = [name for name in names if results.outline_source(name) != "rigid"]
     points = sum(len(results.outline(name).points) for name in flexible)
-    frames = min(len(rows), POINT_FRAMES // min(points, MOST_POINTS), 4 * FRAMES) if points else 2
+    frames = (
+        min(len(rows), MAX_POINT_INSTANTS // min(points, MAX_DEFORMING_POINTS), 4 * LEAST_INSTANTS)
+        if points
+        else 2
+    )
     instants = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
     deforming = Stage(results, instants, field or None, marks=False)
     moving = Stage(results, time[rows], NO_FIELD, deforming.magnification)
-    far = float(np.linalg.norm(moving.middle)) > FAR_AWAY * moving.size
+    far = float(np.linalg.norm(moving.middle)) > FAR_FROM_ORIGIN * moving.size
     origin = np.round(moving.middle, 3) if far else np.zeros(3)
     shapes = []
     for number in range(len(moving.bodies)):
@@ -159,8 +163,8 @@ def _instants(results: Results, time: Array, n_bodies: int) -> tuple[IntArray, f
         spin = np.maximum(spin, np.linalg.norm(results.body(name).v[:, 3:], axis=1))
     turned = np.concatenate([[0.0], np.cumsum(0.5 * (spin[1:] + spin[:-1]) * np.diff(time))])
     fastest = float(spin.max()) * float(time[-1] - time[0])
-    most = max(min(MOST_FRAMES, POSES // n_bodies), FRAMES)
-    wanted = int(np.clip(np.ceil(min(fastest / TURN, 1e9)) + 1, FRAMES, most))
+    most = max(min(MAX_INSTANTS, MAX_POSES // n_bodies), LEAST_INSTANTS)
+    wanted = int(np.clip(np.ceil(min(fastest / WANTED_TURN, 1e9)) + 1, LEAST_INSTANTS, most))
     rows = evenly(time, slice(None), wanted)
     return rows, float(np.diff(turned[rows]).max(initial=0.0))
 
@@ -194,7 +198,7 @@ def _surface(body: Body, bodies: Sequence[Body]) -> tuple[IntArray, IntArray]:
     outline = body.outline
     if len(outline.lines):
         return np.arange(len(body.X)), outline.triangles
-    most = MOST_POINTS if body.flexible else MOST_RIGID
+    most = MAX_DEFORMING_POINTS if body.flexible else MAX_RIGID_POINTS
     alike = sum(len(other.X) for other in bodies if other.flexible == body.flexible)
     share = max(int(most * len(body.X) / max(alike, 1)), 50)
     return simplified(body.X, outline.triangles, share)

@@ -233,7 +233,7 @@
     if (!stage) return;
     const still = byId("still");
     if (!hasWebGL()) {
-      ["controls", "canvas", "bar", "names-of-marks"].forEach((id) => byId(id)?.remove());
+      ["controls", "canvas", "names-of-marks"].forEach((id) => byId(id)?.remove());
       stage.style.height = "auto";
       document.querySelectorAll(".moving").forEach((remark) => remark.remove());
       const missing = document.createElement("div");

@@ -1,29 +1,38 @@
 """One page from results: its parts in order, with all that it needs inside."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
-from importlib.resources import files
+from collections.abc import Callable, Iterator
 from itertools import count
-from typing import Any
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from ...results import Results
+from ...superelement.validation import Array
 from . import libraries
 from .animation import animation, duration
-from .head import contents, head
-from .markup import Markup, element, joined, note, section
+from .head import head
+from .markup import Markup, joined, note, part, read, rendered
 from .motion import Motion, motion
 from .origin import origin
 from .plots import Plot, drawing, plots, remark
 from .scene import names, scene
 from .sections import SECTIONS
 
-ROOM = files(__package__)
 OnPart = Callable[[int, int], object]
 """is told how many parts are made, of how many"""
-LATER = 4
-"""parts beside the bodies: plots, their pages, tables, the scene"""
+# Plots, their figures, tables, the scene.
+PARTS_BESIDE_BODIES = 4
+
+
+class Section(NamedTuple):
+    """A part of the page."""
+
+    heading: str
+    content: Markup
+
+    @property
+    def identity(self) -> str:
+        """Where links lead."""
+        return self.heading.lower().replace(" ", "-")
 
 
 def page(
@@ -32,24 +41,29 @@ def page(
     """The page as HTML. field: of the colors of the animation."""
     source = origin(results)
     heading = title or source.name
-    made = _counted(len(results.bodies) + LATER, on_part)
+    made = _counted(len(results.bodies) + PARTS_BESIDE_BODIES, on_part)
     moving = motion(results, field, made)
     drawn = list(plots(results))
     made()
-    parts = [*_motion(moving), *_plots(results, drawn)]
+    sections = [*_motion(moving), *_plots(results, drawn)]
     made()
-    parts += _sections(results)
+    sections += _sections(results)
     made()
-    links = contents([(identity, text) for identity, text, _ in parts])
-    sections = (section(identity, text, body) for identity, text, body in parts)
     packed = {"plotly": libraries.plotly()}
     if moving is not None:
         packed |= {"k3d": libraries.k3d(), "scene": libraries.text(scene(moving))}
     made()
     data = _data(results, [plot for _, group in drawn for plot in group], moving)
     packed["data"] = libraries.packed(json.dumps(data, allow_nan=False).encode())
-    main = element("main", head(results, source, heading), links, _without_scripts(), *sections)
-    return Markup(f"<!doctype html>\n{_document(heading, main, packed)}\n")
+    return rendered(
+        "page.html",
+        title=heading,
+        style=Markup(read("page.css")),
+        head=head(results, source),
+        sections=sections,
+        packed={name: Markup(text) for name, text in packed.items()},
+        script=Markup(read("page.js")),
+    )
 
 
 def _counted(total: int, on_part: OnPart | None) -> Callable[[], None]:
@@ -61,34 +75,6 @@ def _counted(total: int, on_part: OnPart | None) -> Callable[[], None]:
             on_part(next(numbers), total)
 
     return made
-
-
-def _document(title: str, main: Markup, packed: Mapping[str, str]) -> Markup:
-    head = element(
-        "head",
-        Markup('<meta charset="utf-8">'),
-        Markup('<meta name="viewport" content="width=device-width, initial-scale=1">'),
-        Markup('<link rel="icon" href="data:,">'),
-        element("title", title),
-        element("style", Markup(_file("page.css"))),
-    )
-    blocks = (_block(name, text) for name, text in packed.items())
-    script = element("script", Markup(_file("page.js")))
-    return element("html", head, element("body", main, *blocks, script), lang="en")
-
-
-def _block(name: str, packed: str) -> Markup:
-    """Compressed data, which the script of the page unpacks."""
-    return element("script", Markup(packed), id=name, type="text/plain")
-
-
-def _file(name: str) -> str:
-    return ROOM.joinpath(name).read_text(encoding="utf-8")
-
-
-def _without_scripts() -> Markup:
-    text = "Plots and the animation need JavaScript, which is switched off here; tables do not."
-    return element("noscript", element("p", text, class_="failed"))
 
 
 def _data(results: Results, drawn: list[Plot], moving: Motion | None) -> dict[str, Any]:
@@ -104,43 +90,36 @@ def _data(results: Results, drawn: list[Plot], moving: Motion | None) -> dict[st
     }
 
 
-def _motion(moving: Motion | None) -> Iterator[tuple[str, str, Markup]]:
+def _motion(moving: Motion | None) -> Iterator[Section]:
     if moving is None:
-        text = "No animation: the run recorded no body."
-        yield "motion", "Motion", note(text)
+        yield Section("Motion", note("No animation: the run recorded no body."))
     else:
-        yield "motion", "Motion", animation(moving)
+        yield Section("Motion", animation(moving))
 
 
-def _plots(
-    results: Results, drawn: list[tuple[str, list[Plot]]]
-) -> Iterator[tuple[str, str, Markup]]:
+def _plots(results: Results, drawn: list[tuple[str, list[Plot]]]) -> Iterator[Section]:
     """A part for each group of plots that has any, and a line for those that have none."""
-    n = 0
-    missing = [heading.lower() for heading, group in drawn if not group]
+    numbers = count()
     for heading, group in drawn:
         if group:
-            figures = [_figure(plot, n + i, results.time) for i, plot in enumerate(group)]
-            yield heading.lower(), heading, joined(figures)
-            n += len(group)
-    if missing:
+            figures = (_figure(plot, next(numbers), results.time) for plot in group)
+            yield Section(heading, joined(figures))
+    if missing := [heading.lower() for heading, group in drawn if not group]:
         text = f"Nothing was recorded, or nothing happened, of: {', '.join(missing)}."
-        yield "missing", "Not shown", note(text)
+        yield Section("Not shown", note(text))
 
 
-def _figure(plot: Plot, number: int, time: Any) -> Markup:
-    title = plot.title[:1].upper() + plot.title[1:]
-    told = remark(plot, np.asarray(time))
-    drawn = element("div", class_="drawn")
-    return element(
-        "figure",
-        element("h3", title),
-        element("div", drawn, class_="plot", data_plot=number),
-        note(told[:1].upper() + told[1:] + ".") if told else "",
-    )
+def _figure(plot: Plot, number: int, time: Array) -> Markup:
+    told = remark(plot, time)
+    return part("figure", _capitalized(plot.title), number, told and f"{_capitalized(told)}.")
 
 
-def _sections(results: Results) -> Iterator[tuple[str, str, Markup]]:
-    for part in SECTIONS:
-        if (content := part.content(results)) is not None:
-            yield part.identity, part.heading, content
+def _capitalized(text: str) -> str:
+    """Unlike `str.capitalize` it leaves the other letters, of which names have some."""
+    return text[:1].upper() + text[1:]
+
+
+def _sections(results: Results) -> Iterator[Section]:
+    for each in SECTIONS:
+        if (content := each.content(results)) is not None:
+            yield Section(each.heading, content)

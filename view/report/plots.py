@@ -11,15 +11,15 @@ import numpy as np
 from ...results import QuantityError, Results
 from ...results.quantities import KINDS_BY_NAME, evaluate, names_in_role
 from ...superelement.validation import Array
+from ..curve import Curve
 from ..naming import in_full, title_and_labels
 from ..overview import overview
-from ..quantities import Curve
 from .thinning import kept
 
-MOST_CURVES = 6
-"""of a plot, the largest ones"""
-DIGITS = 7
-"""of numbers on the page"""
+# As many as there are colors: the largest ones.
+MAX_PLOT_CURVES = 6
+# Of numbers on the page: what single precision has, and all that a plot can show.
+NUMBER_DIGITS = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ def _peaks_of_contacts(results: Results) -> Iterator[Plot]:
             if len(results.events[name])
         ]
         if events:
-            shown = events[:MOST_CURVES]
+            shown = events[:MAX_PLOT_CURVES]
             left_out = len(events) - len(shown)
             yield Plot("peak force of each contact", unit, shown, marks=True, left_out=left_out)
 
@@ -154,7 +154,7 @@ def _largest(title: str, curves: list[Curve]) -> Iterator[Plot]:
     """A plot of the largest curves, of which those that are zero throughout are none."""
     size: Callable[[Curve], float] = lambda curve: float(np.nanmax(np.abs(curve.values)))  # noqa: E731
     moving = [curve for curve in curves if len(curve.values) and size(curve) > 0.0]
-    chosen = sorted(moving, key=size, reverse=True)[:MOST_CURVES]
+    chosen = sorted(moving, key=size, reverse=True)[:MAX_PLOT_CURVES]
     if chosen:
         in_order = [curve for curve in moving if curve in chosen]
         yield Plot(title, chosen[0].unit, in_order, left_out=len(moving) - len(chosen))
@@ -177,4 +177,4 @@ def _trace(curve: Curve, time: Array, name: str) -> dict[str, Any]:
 
 def _numbers(values: Array) -> list[float | None]:
     """Numbers of a few digits, null for what is none."""
-    return [float(f"{x:.{DIGITS}g}") if np.isfinite(x) else None for x in values.tolist()]
+    return [float(f"{x:.{NUMBER_DIGITS}g}") if np.isfinite(x) else None for x in values.tolist()]

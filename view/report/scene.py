@@ -9,32 +9,35 @@ from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..field_kinds import COLOR_MAP
+from ..prefixes import rounded_down
 from ..space.marks import Mark
 from .libraries import package
 from .motion import Motion, Shape, poses
 
-VIEWS = {"Overview": "", "Along x": "yz", "Along y": "xz", "Along z": "xy"}
-"""places of the camera by name, as `chosen_axes` has them"""
-MOST_MARKS, MARKED = 60, 301
-"""with names, and their instants"""
-SQUARES = 12
-"""of the grid, along the longest side at least"""
-FINE = 2.0**-14
-"""positions are rounded to this part of the size of a body, or less"""
-SHADES = 255
-LINE_WIDTH = 0.004
-"""width of the lines of bodies and of marks, over the size of what is drawn"""
-LEAST_RADIUS = 0.006
-"""of joints and contacts, over the size of what is drawn"""
+# Words of buttons, and views as `chosen_axes` has them.
+CAMERA_BUTTONS = {"Overview": "", "Along x": "yz", "Along y": "xz", "Along z": "xy"}
+# More names would hide the mechanism.
+MAX_NAMED_MARKS = 60
+# Names follow their marks in straight lines between these instants.
+NAME_INSTANTS = 301
+# Along the longest side.
+LEAST_GRID_SQUARES = 12
+# Of the size of a body: less than a pixel, and numbers that are short when packed.
+POSITION_ROUNDING = 2.0**-14
+# As many as a color has levels: finer values would be packed in vain.
+COLOR_STEPS = 255
+# Over the size of what is drawn.
+RELATIVE_LINE_WIDTH = 0.004
+# Of joints and contacts, over the size of what is drawn.
+LEAST_MARK_RADIUS = 0.006
+# Of a mark that is not to be seen, over that of the model: K3D cannot invert 0.
 UNSEEN_SIZE = 1e-6
-"""size of a mark that is not to be seen, over that of the model: K3D cannot invert 0"""
-GRID = 0xC9D1D9
-WHITE = 0xFFFFFF
-"""what colors of a field are multiplied with"""
-FOV = 30.0
-"""opening of the camera [degrees]"""
-ASPECT = 1.8
-"""of the picture, width over height"""
+GRID_COLOR = 0xC9D1D9
+# What colors of a field are multiplied with.
+UNCHANGED_COLOR = 0xFFFFFF
+CAMERA_OPENING = 30.0  # [degrees]
+# Width over height, as the style of the page makes it on a wide screen.
+STAGE_ASPECT = 1.8
 
 
 def color_bar() -> list[str]:
@@ -49,7 +52,7 @@ def scene(motion: Motion) -> bytes:
         menu_visibility=False,
         grid_visible=False,
         camera_auto_fit=False,
-        camera_fov=FOV,
+        camera_fov=CAMERA_OPENING,
         colorbar_object_id=0,
         axes_helper=0.0,
         antialias=3,
@@ -66,9 +69,7 @@ def scene(motion: Motion) -> bytes:
 def square(motion: Motion) -> float:
     """The side of the squares of the grid: 1, 2 or 5 times a power of ten [m]."""
     low, high = motion.box
-    wanted = float((high - low)[:2].max()) / SQUARES
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+    return rounded_down(float((high - low)[:2].max()) / LEAST_GRID_SQUARES)
 
 
 def _grid(k3d: Any, motion: Motion) -> Any:
@@ -81,7 +82,9 @@ def _grid(k3d: Any, motion: Motion) -> Any:
     plane = np.array(along_y + along_x).reshape(-1, 2)
     points = np.column_stack([plane, np.full(len(plane), low[2])]).astype(np.float32)
     pairs = np.arange(len(points), dtype=np.uint32).reshape(-1, 2)
-    return k3d.lines(points, pairs, indices_type="segment", shader="simple", color=GRID, name="")
+    return k3d.lines(
+        points, pairs, indices_type="segment", shader="simple", color=GRID_COLOR, name=""
+    )
 
 
 def names(motion: Motion) -> dict[str, Any]:
@@ -89,12 +92,12 @@ def names(motion: Motion) -> dict[str, Any]:
 
     Those that stand in one place at all times, as far as one sees, share a name.
     """
-    every = max(len(motion.time) // MARKED, 1)
+    every = max(len(motion.time) // NAME_INSTANTS, 1)
     rows = np.unique([*range(0, len(motion.time), every), len(motion.time) - 1])
     near = 0.015 * _size(motion)
     told: list[str] = []
     places: list[Array] = []
-    for name, positions in motion.named if len(motion.named) <= MOST_MARKS else ():
+    for name, positions in motion.named if len(motion.named) <= MAX_NAMED_MARKS else ():
         place = positions[rows]
         same = [i for i, other in enumerate(places) if np.abs(other - place).max() < near]
         if same:
@@ -115,17 +118,17 @@ def cameras(motion: Motion) -> dict[str, Camera]:
     spread = spread_of(motion.reached[: len(motion.shapes)])
     corners = np.array(np.meshgrid(*zip(*motion.box, strict=True))).reshape(3, 8).T
     found = {}
-    for name, view in VIEWS.items():
+    for name, view in CAMERA_BUTTONS.items():
         fitting = Fitting(chosen_axes(view, spread, motion.gravity))
         fitting.take(corners)
-        found[name] = fitting.camera(ASPECT)
+        found[name] = fitting.camera(STAGE_ASPECT)
     return found
 
 
 def placed(camera: Camera) -> list[float]:
     """A camera of K3D: its position, what it looks at, and what is up (9 numbers)."""
     _, up, towards = camera.axes
-    distance = 0.5 * camera.height / np.tan(np.radians(0.5 * FOV)) + camera.depth
+    distance = 0.5 * camera.height / np.tan(np.radians(0.5 * CAMERA_OPENING)) + camera.depth
     return [*(camera.focus + distance * towards).tolist(), *camera.focus.tolist(), *up.tolist()]
 
 
@@ -136,8 +139,10 @@ def _size(motion: Motion) -> float:
 
 def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
     """The surface and the lines of a body."""
-    color = int(shape.color[1:], 16) if shape.values is None else WHITE
-    width = LINE_WIDTH * max(float(np.ptp(shape.points)), 1e-9) if len(shape.points) else 0.0
+    color = int(shape.color[1:], 16) if shape.values is None else UNCHANGED_COLOR
+    width = (
+        RELATIVE_LINE_WIDTH * max(float(np.ptp(shape.points)), 1e-9) if len(shape.points) else 0.0
+    )
     made = []
     if len(shape.triangles):
         made.append(_surface(k3d, shape.points, shape.triangles, color))
@@ -149,8 +154,8 @@ def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
         if shape.u is not None:
             drawn.vertices = _series(deforming, _rounded(shape))
         if shape.values is not None:
-            shades = np.round(shape.values / (motion.largest or 1.0) * SHADES) / SHADES
-            ends = np.linspace(0.0, 1.0, SHADES + 1)
+            shades = np.round(shape.values / (motion.largest or 1.0) * COLOR_STEPS) / COLOR_STEPS
+            ends = np.linspace(0.0, 1.0, COLOR_STEPS + 1)
             drawn.color_map = np.column_stack([ends, COLOR_MAP(ends)[:, :3]]).ravel().tolist()
             drawn.color_range = [0.0, 1.0]
             drawn.attribute = _series(deforming, shades)
@@ -160,7 +165,7 @@ def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
 def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
     color, glyph = int(mark.color[1:], 16), mark.glyph
     if not len(glyph.triangles):
-        width = LINE_WIDTH * _size(motion)
+        width = RELATIVE_LINE_WIDTH * _size(motion)
         drawn = _lines(k3d, glyph.points, glyph.lines, color, width)
         drawn.vertices = _series(frames(motion), mark.position(slice(None)) - motion.origin)
         return drawn
@@ -169,7 +174,7 @@ def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
     A = mark.A
     if mark.kind in ("joints", "contacts"):
         # Where a small body goes far, marks in proportion to it alone would hardly be seen.
-        A = A * max(1.0, LEAST_RADIUS * _size(motion) / motion.moving.radius)
+        A = A * max(1.0, LEAST_MARK_RADIUS * _size(motion) / motion.moving.radius)
     A = A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
     drawn.model_matrix = _series(frames(motion), poses(mark.x - motion.origin, A))
     return drawn
@@ -205,7 +210,7 @@ def _rounded(shape: Shape) -> Array:
     assert shape.u is not None
     moved = shape.points + shape.u
     size = max(float(np.abs(moved).max(initial=0.0)), np.finfo(float).tiny)
-    step = FINE * 2.0 ** np.ceil(np.log2(size))
+    step = POSITION_ROUNDING * 2.0 ** np.ceil(np.log2(size))
     rounded: Array = np.round(moved / step) * step
     return rounded
 

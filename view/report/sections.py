@@ -28,11 +28,6 @@ class ReportSection:
     heading: str
     content: Callable[[Results], Markup | None]
 
-    @property
-    def identity(self) -> str:
-        """Where links lead."""
-        return self.heading.lower().replace(" ", "-")
-
 
 def _balances(results: Results) -> Markup:
     return joined([balance_table(results), momentum_table(results)])

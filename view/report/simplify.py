@@ -6,8 +6,8 @@ from ...superelement.cells import IntArray
 from ...superelement.cells import normals as normals_of
 from ...superelement.validation import Array
 
-FINEST = 1024
-"""cells along the longest side, at most"""
+# Along the longest side: a point of a page takes more than a thousandth of it.
+MAX_GRID_CELLS = 1024
 
 
 def simplified(points: Array, triangles: IntArray, most: int) -> tuple[IntArray, IntArray]:
@@ -22,7 +22,7 @@ def simplified(points: Array, triangles: IntArray, most: int) -> tuple[IntArray,
     if len(used) <= most:
         return _renumbered(used, len(points), triangles)
     facing = _facing(points, triangles)
-    low, high = 1, FINEST
+    low, high = 1, MAX_GRID_CELLS
     while low < high:
         cells = (low + high + 1) // 2
         few = len(np.unique(_keys(points[used], facing[used], cells))) <= most

@@ -8,17 +8,18 @@ from typing import Any
 import numpy as np
 
 from ...results import Peak, QuantityError, RecoveryError, Results, SeriesError, peaks
-from ...results.motion import Energy, Events
+from ...results.motion import BALANCED_ENERGIES, Energy, Events
 from ...results.validity import Check
 from ...superelement import SuperelementError
 from ...superelement.validation import Array
+from ..prefixes import seconds
 from . import libraries
-from .markup import Markup, element, facts, folded, joined, note, table
-from .numbers import counted, seconds, short, vector
+from .markup import Markup, facts, folded, joined, note, part, table
+from .numbers import counted, short, vector
 from .origin import origin, tables
 
-MOST_ROWS = 200
-"""of a table: the first ones, with a line that says how many there are"""
+# A chattering contact has thousands of events, which CSV files are for.
+MAX_TABLE_ROWS = 200
 
 
 def validity_table(results: Results) -> Markup:
@@ -36,7 +37,7 @@ def _check_row(check: Check) -> tuple[object, ...]:
     criterion, verdict = check.criterion, check.verdict
     value = "unknown" if verdict == "unknown" else criterion.measured(check.value)
     owner = check.owner or criterion.owner
-    word = element("span", verdict, class_=f"word {verdict}")
+    word = part("word", verdict)
     limits = (criterion.bound(criterion.good), criterion.bound(criterion.limit))
     return (criterion.quantity, value, owner, *limits, word)
 
@@ -111,14 +112,11 @@ def _event_rows(name: str, events: Events, unit: str) -> Iterator[tuple[object, 
         )
 
 
-ENERGIES = ("kinetic", "elastic", "springs", "potential", "dissipated", "numerical", "work")
-
-
 def balance_table(results: Results) -> Markup:
     """Energies at the start and at the end, what they were at most, and their balance."""
     if "energy" not in results.recorded:
         return note("No energy balance: the run did not record energies.")
-    energy, names = results.energy, [n for n in ENERGIES if n in results.energies]
+    energy, names = results.energy, [n for n in BALANCED_ENERGIES if n in results.energies]
     rows = [(name, *_extent(getattr(energy, name))) for name in [*names, "balance"]]
     found = table(("energy [J]", "start", "end", "smallest", "largest"), rows, "tnnnn")
     return joined([found, note(_closing(energy))])
@@ -130,10 +128,8 @@ def _extent(values: Array) -> tuple[str, ...]:
 
 def _closing(energy: Energy) -> str:
     """How well energies balance, beside the largest that moved."""
-    largest = float(np.abs(energy.balance).max())
-    sizes = [float(np.abs(getattr(energy, n)).max()) for n in ENERGIES if n != "potential"]
-    scale = max(*sizes, float(np.ptp(energy.potential)))
-    relative = f", {largest / scale:.1g} of the largest energy that moved" if scale > 0.0 else ""
+    largest, share = energy.imbalance()
+    relative = f", {share:.1g} of the largest energy that moved" if share else ""
     return (
         f"Balance: the sum of all less the work and less its value at the start; it is within "
         f"{largest:.2g} J{relative}."
@@ -241,9 +237,9 @@ def _body_row(results: Results, name: str, given: Any) -> tuple[object, ...]:
 def provenance(results: Results) -> Markup:
     """Files with their digests, and versions."""
     files = {file.path: file.digest for file in results.superelement_files.values()}
-    rows = [(path, element("code", digest)) for path, digest in files.items()]
-    superelements = table(("superelement", "sha256"), rows) if rows else ""
-    return joined([facts(_machines(results)), superelements])
+    rows = [(path, part("code", digest)) for path, digest in files.items()]
+    superelements = [table(("superelement", "sha256"), rows)] if rows else []
+    return joined([facts(_machines(results)), *superelements])
 
 
 def _machines(results: Results) -> Iterator[tuple[str, object]]:
@@ -261,14 +257,14 @@ def model_text(results: Results) -> Markup:
     if not text:
         return note("The model was not read from a file: there is no text of it.")
     lines = counted(text.count("\n") + 1, "line")
-    return folded(f"Model file, {lines}", element("pre", text))
+    return folded(f"Model file, {lines}", part("listing", text))
 
 
 def _limited(
     headings: tuple[str, ...], rows: Sequence[tuple[object, ...]], numbers: str = ""
 ) -> Markup:
     """A table of the first rows, with a line where there are more."""
-    shown = table(headings, rows[:MOST_ROWS], numbers)
-    if len(rows) <= MOST_ROWS:
+    shown = table(headings, rows[:MAX_TABLE_ROWS], numbers)
+    if len(rows) <= MAX_TABLE_ROWS:
         return shown
-    return joined([shown, note(f"The first {MOST_ROWS} of {len(rows)} rows.")])
+    return joined([shown, note(f"The first {MAX_TABLE_ROWS} of {len(rows)} rows.")])

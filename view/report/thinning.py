@@ -5,11 +5,11 @@ import numpy as np
 from ...superelement.cells import IntArray
 from ...superelement.validation import Array
 
-COLUMNS = 1200
-"""of a picture: as many as a plot has pixels, about"""
+# As many as a plot has pixels, about.
+PLOT_COLUMNS = 1200
 
 
-def kept(values: Array, columns: int = COLUMNS) -> IntArray:
+def kept(values: Array, columns: int = PLOT_COLUMNS) -> IntArray:
     """The numbers of the points (m,) that stand for a series (n,), in order.
 
     The series is cut into columns of equally many points, and of each the smallest and the largest

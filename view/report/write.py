@@ -3,13 +3,13 @@
 import os
 from pathlib import Path
 
-from ...files.outputs import AnyPath, clash, in_words, renamed_when_whole
+from ...files.outputs import AnyPath, clash, renamed_when_whole
 from ...results import Results
-from ..errors import PictureError
+from ..errors import PictureError, require_target
 from .libraries import package
 from .page import OnPart, page
 
-SUFFIXES = (".html", ".htm")
+PAGE_SUFFIXES = (".html", ".htm")
 
 
 def write_report(
@@ -19,33 +19,50 @@ def write_report(
     field: str = "",
     on_part: OnPart | None = None,
 ) -> None:
-    """Write the report of a run as one page of HTML.
+    """Write the report of a run as one page of HTML, whole or not at all.
 
     It needs no network and no other file: the motion in space, plots that zoom, tables of validity,
-    peaks, contacts, balances and bodies, and where everything comes from. title: the name of the
-    results file, unless given. field: "von_mises", "displacement" or "velocity" for the colors of
-    the animation; by default the first of them that is known. on_part: told how many parts are
-    made, of how many. The file appears whole or not at all. Raises PictureError where it cannot be
-    written, would replace the results or a superelement, or where the packages of the extra
-    `report` are missing.
+    peaks, contacts, balances and bodies, and where everything comes from.
+
+    Parameters
+    ----------
+    results : Results
+    path : path
+        .html or .htm.
+    title : str
+        The name of the results file, unless given.
+    field : {"von_mises", "displacement", "velocity"}, optional
+        For the colors of the animation; by default the first of them that is known.
+    on_part : callable, optional
+        Is told how many parts are made, of how many.
+
+    Raises
+    ------
+    PictureError
+        Where it cannot be written, would replace the results or a superelement, or where the
+        packages of the extra `report` are missing.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> view.write_report(results, "ball.html", title="A ball that falls")
     """
     path = Path(path)
     _check(results, path)
-    for name in ("plotly", "k3d"):
+    for name in ("plotly", "k3d", "jinja2"):
         package(name)
     text = page(results, title, field, on_part)
-    try:
-        with renamed_when_whole(path) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {in_words(error)}") from error
+    with renamed_when_whole(path, failure=PictureError) as temporary:
+        # Names of files may hold bytes that are no text, which UTF-8 has no code for.
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 def _check(results: Results, path: Path) -> None:
-    if path.suffix.lower() not in SUFFIXES:
-        raise PictureError(f"{path}: expected a suffix of {', '.join(SUFFIXES)}")
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
+    require_target(path, PAGE_SUFFIXES)
     superelements = (file.path for file in results.superelement_files.values())
     inputs: dict[AnyPath, str] = dict.fromkeys(superelements, "a superelement")
     inputs[results.name] = "the results file"

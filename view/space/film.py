@@ -13,28 +13,44 @@ from ...results.transforms import Window
 from ...superelement.validation import Array
 from ..camera import Camera, Fitting, chosen_axes, spread_of
 from ..errors import PictureError
-from ..field_kinds import WORST, scale_of
+from ..field_kinds import WORST_TIME, scale_of
 from ..worst import worst_time
 from .bodies import bodies_on_stage
 from .lettering import Clock, Frame, Image, Lettering, lettered
 from .stage import NO_FIELD, Batch, Stage, chosen_field
-from .studio import Studio, pyvista
+from .studio import Studio
+from .surface import pyvista
 from .timing import FRAMES_PER_SECOND, Timing, require_within, timing
 from .tracks import Tracks
-from .writing import MOVING, require_format, written
+from .writing import GIF_SUFFIX, require_format, written
 
-SIZE, SMALL_SIZE = (1280, 720), (640, 360)
-"""of films, and of GIFs [pixels]"""
-SMALLEST_SIZE, LARGEST_SIZE = 36, 8192
+FILM_SIZE = (1280, 720)  # [pixels]
+# [pixels]: a GIF packs badly, and stands in pages.
+GIF_SIZE = (640, 360)
+# Letters end where they are a pixel high, and drivers of OpenGL at 8192 or 16384 pixels.
+LEAST_SIZE = 36
+MAX_SIZE = 8192
 OnFrame = Callable[[int, int], object]
 """is told how many frames are made, of how many"""
 
 
 @dataclass(frozen=True)
 class Film:
-    """What was made: frames, seconds of playing, magnification of deformation, and what is missing.
+    """What was made, see `animate` for an example.
 
-    field: that colors show, "" for none; largest: the end of their scale; warnings: lines of text.
+    Parameters
+    ----------
+    frames : int
+    seconds : float [s]
+        Of playing.
+    magnification : float
+        Of deformation.
+    field : str
+        That colors show, "" for none.
+    largest : float
+        The end of their scale, in the unit of the field.
+    warnings : tuple of str
+        What is missing, a line each.
     """
 
     frames: int
@@ -70,16 +86,50 @@ def animate(
 ) -> Film:
     """Make a film (.mp4, .gif) of a run, or a picture of one time (.png).
 
-    field: "displacement", "velocity", "von_mises" or "none", by default stresses where all flexible
-    bodies know them, else displacements; magnify: of deformation, by default so that it is seen;
-    start, end: times of the run [s]; at: one time [s], or "worst", where the field is largest
-    from start to end; frames, fps, seconds: of playing, by default 25 frames a second for 8 s;
-    size: width and height [pixels]; view: "iso", "xy", "xz", "yz" or "x,y,z", the direction towards
-    the eye, by default what shows most of the motion. PictureError for what cannot be drawn or
-    written.
+    Parameters
+    ----------
+    results : Results
+    path : path
+        The suffix says what is made; frame-%04d.png makes a picture of each frame.
+    field : {"displacement", "velocity", "von_mises", "none"}, optional
+        By default stresses where all flexible bodies know them, else displacements.
+    magnify : float, optional
+        Of deformation; by default so that it is seen.
+    start, end : float [s], optional
+        The part of the run.
+    at : float [s] or "worst", optional
+        One time, or where the field is largest from start to end.
+    frames, fps, seconds : optional
+        Of playing; by default 25 frames a second for 8 s.
+    size : (int, int) [pixels], optional
+        Width and height.
+    view : str
+        "iso", "xy", "xz", "yz" or "x,y,z", the direction towards the eye; by default what shows
+        most of the motion.
+    marks : bool
+        Joints, springs, contacts, forces.
+    title : str
+    on_frame : callable, optional
+        Is told how many frames are made, of how many.
+
+    Raises
+    ------
+    PictureError
+        For what cannot be drawn or written.
+
+    Examples
+    --------
+    >>> from duhamel import view
+    >>> import duhamel as du
+    >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+    >>> ball = m.add(du.RigidBody(1.0, [0.1, 0.1, 0.1]), name="ball")
+    >>> results = m.simulate(1.0, step=0.1).results
+    >>> film = view.animate(results, "ball.png", at=0.5, size=(320, 180))
+    >>> film.frames, film.magnification
+    (1, 1.0)
     """
     path = Path(path)
-    size = size or (SMALL_SIZE if path.suffix.lower() == MOVING else SIZE)
+    size = size or (GIF_SIZE if path.suffix.lower() == GIF_SUFFIX else FILM_SIZE)
     require_size(size)
     if magnify is not None and not (np.isfinite(magnify) and magnify >= 0.0):
         raise PictureError(f"--magnify: expected a number from 0 on, found {magnify:g}")
@@ -141,7 +191,7 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     if stage.magnification != 1.0:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
-        notes.append("elastic motion in part unknown")
+        notes.append("elastic motion between interfaces unknown")
     scale = scale_of(stage.field, stage.largest) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
     return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
@@ -152,12 +202,12 @@ def the_time(
 ) -> float:
     """A time of the run [s]: as given, or where a field is largest, of a window."""
     first, last = float(results.time[0]), float(results.time[-1])
-    if at == WORST:
+    if at == WORST_TIME:
         return _worst(results, field, window)
     try:
         time = float(at)
     except ValueError as error:
-        raise PictureError(f"--at: expected a time or {WORST}, found {at!r}") from error
+        raise PictureError(f"--at: expected a time or {WORST_TIME}, found {at!r}") from error
     require_within("--at", time, first, last)
     return time
 
@@ -166,16 +216,16 @@ def _worst(results: Results, field: str | None, window: Window | None) -> float:
     bodies = bodies_on_stage(results, Tracks(results, results.time[:1]))
     name = chosen_field(bodies, field)
     if not name:
-        raise PictureError(f"--at {WORST}: expected a field, which {NO_FIELD!r} is not")
+        raise PictureError(f"--at {WORST_TIME}: expected a field, which {NO_FIELD!r} is not")
     colored = (body for body in bodies if body.flexible or name == "velocity")
     known = [body.name for body in colored if not body.why_unknown(name)]
     return worst_time(results, known, name, window)
 
 
 def require_size(size: tuple[int, int]) -> None:
-    if min(size) < SMALLEST_SIZE or max(size) > LARGEST_SIZE:
+    if min(size) < LEAST_SIZE or max(size) > MAX_SIZE:
         raise PictureError(
-            f"--size: expected {SMALLEST_SIZE} to {LARGEST_SIZE} pixels, found {size[0]}x{size[1]}"
+            f"--size: expected {LEAST_SIZE} to {MAX_SIZE} pixels, found {size[0]}x{size[1]}"
         )
 
 

@@ -5,12 +5,12 @@ import numpy as np
 from ...superelement import Outline
 from ...superelement.validation import Array
 
-AROUND = 16
-"""corners of a circle"""
-COILS = 6
+# A mark is a few pixels wide: more corners would not be seen.
+CIRCLE_CORNERS = 16
+SPRING_COILS = 6
 
 
-def turned(profile: Array, around: int = AROUND) -> Outline:
+def turned(profile: Array, around: int = CIRCLE_CORNERS) -> Outline:
     """A surface of revolution.   profile (k, 2): radii and heights, from below to above"""
     angles = 2.0 * np.pi * np.arange(around) / around
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -27,7 +27,7 @@ def turned(profile: Array, around: int = AROUND) -> Outline:
 
 def tube() -> Outline:
     """An open cylinder of radius 1 from z = -0.5 to 0.5."""
-    return turned(np.array([(1.0, -0.5), (1.0, 0.5)]), 2 * AROUND)
+    return turned(np.array([(1.0, -0.5), (1.0, 0.5)]), 2 * CIRCLE_CORNERS)
 
 
 def extruded(curve: Array) -> Outline:
@@ -52,10 +52,10 @@ def triad() -> Outline:
 
 def coil() -> Outline:
     """A zigzag from the origin to z = 1, half as wide as 1 in x, for springs."""
-    turns = np.arange(1, 2 * COILS) / (2 * COILS)
+    turns = np.arange(1, 2 * SPRING_COILS) / (2 * SPRING_COILS)
     heights = np.concatenate([[0.0, 0.15], 0.15 + 0.7 * turns, [0.85, 1.0]])
     across = np.zeros(len(heights))
-    across[2:-2] = 0.5 * (-1.0) ** np.arange(2 * COILS - 1)
+    across[2:-2] = 0.5 * (-1.0) ** np.arange(2 * SPRING_COILS - 1)
     points = np.column_stack([across, np.zeros(len(heights)), heights])
     here = np.arange(len(heights) - 1)
     return Outline(points, np.column_stack([here, here + 1]))

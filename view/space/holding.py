@@ -6,14 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...results import Results
-from ...results.recovery import in_space
 from ...superelement.validation import Array
-from .tracks import GROUND, Track
+from .tracks import GROUND_NAME, Track
 
-HANGING = ("joints", "motions", "springs")
-"""groups of couplings that hold a body in its place"""
-KEEPS_ATTITUDE = ("fixed", "prismatic")
-"""joints in which a body does not turn"""
+# Couplings of these groups hold a body in its place; contacts let it go.
+HOLDING_GROUPS = ("joints", "motions", "springs")
+# A body that does not turn in a joint is seen from its frame there alone.
+TURNLESS_JOINTS = ("fixed", "prismatic")
 
 
 class Hold:
@@ -45,11 +44,8 @@ class Hold:
 def place_of(body: Track, frame: Track) -> Array:
     """The place (3,) of a frame at rest, from the center of mass in body axes [m]."""
     assert frame.u is not None
-    still = np.zeros((1, 3))
-    back = body.rotation[:1] * [1.0, -1.0, -1.0, -1.0]
-    lever = (frame.position - body.position)[:1, None]
-    rest: Array = in_space(still, back, lever)[0, 0] - frame.u[0, :3]
-    return rest
+    at_first: Array = body.seen_from(frame.position)[0] - frame.u[0, :3]
+    return at_first
 
 
 class _End(NamedTuple):
@@ -71,15 +67,15 @@ def holding_frames(results: Results) -> dict[str, tuple[str, ...]]:
     found = {}
     for body, by in parents.items():
         led = [end.frame for end in ends[body] if parents.get(end.other, by).other != body]
-        alone = by.type in KEEPS_ATTITUDE or len(set(led)) < 2
+        alone = by.type in TURNLESS_JOINTS or len(set(led)) < 2
         found[body] = (by.frame,) if alone else tuple(dict.fromkeys(led))
     return found
 
 
 def _ends(results: Results) -> Mapping[str, list[_End]]:
-    ends: dict[str, list[_End]] = {GROUND: []}
+    ends: dict[str, list[_End]] = {GROUND_NAME: []}
     for coupling in results.couplings:
-        if coupling.group in HANGING:
+        if coupling.group in HOLDING_GROUPS:
             a, b = coupling.between
             ends.setdefault(body_of(a), []).append(_End(body_of(b), a, coupling.type))
             ends.setdefault(body_of(b), []).append(_End(body_of(a), b, coupling.type))
@@ -89,11 +85,11 @@ def _ends(results: Results) -> Mapping[str, list[_End]]:
 def _parents(ends: Mapping[str, list[_End]]) -> dict[str, _End]:
     """The end of each body by which it hangs on the ground."""
     found: dict[str, _End] = {}
-    waiting = [GROUND]
+    waiting = [GROUND_NAME]
     while waiting:
         holder = waiting.pop(0)
         for end in ends[holder]:
-            if end.other != GROUND and end.other not in found:
+            if end.other != GROUND_NAME and end.other not in found:
                 found[end.other] = next(own for own in ends[end.other] if own.other == holder)
                 waiting.append(end.other)
     return found

@@ -14,19 +14,23 @@ from numpy.typing import NDArray
 from ...superelement.validation import Array
 from ..field_kinds import COLOR_MAP, Scale
 from ..picture import style
-from ..prefixes import PREFIXES, exponent_of
+from ..prefixes import UNIT_PREFIXES, exponent_of
 from ..scene import draw_triad
 
 Image = NDArray[np.uint8]
 """(height, width, 3)"""
-HEIGHT = 720.0
-"""of pictures whose letters have the size below; others have them larger or smaller [pixels]"""
-LETTER, SMALL = 17.0, 14.0
-"""[pixels]"""
-TOP, BOTTOM, SIDE = 52.0, 44.0, 142.0
-"""margins that are kept for letters [pixels]"""
+# Of pictures whose letters have the sizes below; in others they grow with the picture [pixels].
+USUAL_HEIGHT = 720.0
+TITLE_LETTER = 17.0  # [pixels]
+NOTE_LETTER = 14.0  # [pixels]
+# Kept for letters, where no body is drawn [pixels].
+TOP_ROOM = 52.0
+BOTTOM_ROOM = 44.0
+SCALE_ROOM = 142.0
+# Of the width: the time stands to its right.
 TITLE_SHARE = 0.66
-DPI = 100.0
+# Any number does, for sizes are in pixels.
+FIGURE_DPI = 100.0
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Frame:
     def enlarged(self) -> float:
         """Of letters."""
         width, height = self.size
-        return min(height, width * 9.0 / 16.0) / HEIGHT
+        return min(height, width * 9.0 / 16.0) / USUAL_HEIGHT
 
     def pixel(self, seen: float) -> float:
         """The length of a pixel where a height `seen` lies between the margins [m]."""
@@ -67,21 +71,23 @@ class Frame:
     def margins(self) -> tuple[float, float, float, float]:
         """left, right, bottom, top"""
         e = self.enlarged
-        return 10.0 * e, (SIDE if self.scale else 10.0) * e, BOTTOM * e, TOP * e
+        return 10.0 * e, (SCALE_ROOM if self.scale else 10.0) * e, BOTTOM_ROOM * e, TOP_ROOM * e
 
 
 def lettered(frame: Frame, words: Lettering) -> Image:
     """The picture of all that stays the same, dark on white."""
     (width, height), e = frame.size, frame.enlarged
-    points = 72.0 / DPI * e
+    points = 72.0 / FIGURE_DPI * e
     with style():
-        figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
+        figure = Figure(
+            figsize=(width / FIGURE_DPI, height / FIGURE_DPI), dpi=FIGURE_DPI, facecolor="white"
+        )
         canvas: Any = FigureCanvasAgg(figure)
         figure.text(
             12.0 * e / width,
-            1.0 - 0.5 * TOP * e / height,
-            fitting(words.title, TITLE_SHARE * width, LETTER * e),
-            fontsize=LETTER * points,
+            1.0 - 0.5 * TOP_ROOM * e / height,
+            fitting(words.title, TITLE_SHARE * width, TITLE_LETTER * e),
+            fontsize=TITLE_LETTER * points,
             fontweight="bold",
             va="center",
             parse_math=False,
@@ -104,18 +110,18 @@ def fitting(text: str, width: float, letter: float) -> str:
 
 def _write_notes(figure: Figure, frame: Frame, words: Lettering, points: float) -> None:
     (width, height), e = frame.size, frame.enlarged
-    y, x = 0.45 * BOTTOM * e / height, 1.0 - 12.0 * e / width
+    y, x = 0.45 * BOTTOM_ROOM * e / height, 1.0 - 12.0 * e / width
     for name, color in reversed(words.legend):
-        figure.text(x, y, name, color=color, fontsize=SMALL * points, ha="right", va="center")
-        x -= (0.62 * SMALL * len(name) + 12.0) * e / width
+        figure.text(x, y, name, color=color, fontsize=NOTE_LETTER * points, ha="right", va="center")
+        x -= (0.62 * NOTE_LETTER * len(name) + 12.0) * e / width
     room = x * width - 90.0 * e
-    note = fitting("   ".join(words.notes), room, 0.9 * SMALL * e)
+    note = fitting("   ".join(words.notes), room, 0.9 * NOTE_LETTER * e)
     figure.text(
         90.0 * e / width,
         y,
         note,
         color="0.25",
-        fontsize=SMALL * points,
+        fontsize=NOTE_LETTER * points,
         va="center",
         parse_math=False,
     )
@@ -128,34 +134,34 @@ def _draw_axes(figure: Figure, frame: Frame, axes: Array, points: float) -> None
     pane.set_axis_off()
     pane.set_xlim(-1.5, 1.5)
     pane.set_ylim(-1.5, 1.5)
-    draw_triad(pane, axes, np.zeros(2), 1.0, 2.2 * points, 0.9 * SMALL * points)
+    draw_triad(pane, axes, np.zeros(2), 1.0, 2.2 * points, 0.9 * NOTE_LETTER * points)
 
 
 def _draw_scale(figure: Figure, frame: Frame, scale: Scale, ends: str, points: float) -> None:
     width, e = frame.size[0], frame.enlarged
     largest = scale.largest / scale.factor or 1.0
-    pane = figure.add_axes((1.0 - (SIDE - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
+    pane = figure.add_axes((1.0 - (SCALE_ROOM - 34.0) * e / width, 0.16, 20.0 * e / width, 0.62))
     norm = Normalize(0.0, largest)
     bar = Colorbar(pane, cmap=COLOR_MAP, norm=norm)
     bar.outline.set_visible(False)
     step = [tick for tick in pane.get_yticks() if 0.0 <= tick < 0.93 * largest]
     bar.set_ticks([*step, largest], labels=[f"{t:.3g}" for t in (*step, largest)])
-    pane.tick_params(labelsize=SMALL * points, length=3 * points, width=0.7 * points)
+    pane.tick_params(labelsize=NOTE_LETTER * points, length=3 * points, width=0.7 * points)
     name = "\n".join(scale.words.rsplit(" ", 1))
     figure.text(
-        1.0 - (SIDE - 34.0) * e / width,
+        1.0 - (SCALE_ROOM - 34.0) * e / width,
         0.795,
         f"{name}\n[{scale.unit}]",
-        fontsize=SMALL * points,
+        fontsize=NOTE_LETTER * points,
         va="bottom",
         linespacing=1.15,
     )
     figure.text(
-        1.0 - (SIDE - 34.0) * e / width,
+        1.0 - (SCALE_ROOM - 34.0) * e / width,
         0.14,
         f"up to the\nlargest value\n{ends}",
         color="0.35",
-        fontsize=0.8 * SMALL * points,
+        fontsize=0.8 * NOTE_LETTER * points,
         va="top",
         linespacing=1.15,
     )
@@ -175,11 +181,13 @@ class Clock:
         step = step / 10.0**self._exponent
         self._digits = int(np.clip(np.ceil(-np.log10(step)), 0, 6)) if step > 0.0 else 3
         self._font = ImageFont.truetype(
-            findfont("DejaVu Sans"), max(round(LETTER * frame.enlarged), 1)
+            findfont("DejaVu Sans"), max(round(TITLE_LETTER * frame.enlarged), 1)
         )
 
     def text(self, time: float) -> str:
-        return f"t = {time / 10.0**self._exponent:.{self._digits}f} {PREFIXES[self._exponent]}s"
+        return (
+            f"t = {time / 10.0**self._exponent:.{self._digits}f} {UNIT_PREFIXES[self._exponent]}s"
+        )
 
     def write(self, image: Image, time: float) -> Image:
         from PIL import Image as Images
@@ -188,7 +196,7 @@ class Clock:
         picture = Images.fromarray(image)
         e, width = self._frame.enlarged, self._frame.size[0]
         ImageDraw.Draw(picture).text(
-            (width - 14.0 * e, 0.5 * TOP * e),
+            (width - 14.0 * e, 0.5 * TOP_ROOM * e),
             self.text(time),
             fill=(30, 30, 30),
             font=self._font,

@@ -12,33 +12,52 @@ from ...superelement import Outline, figures
 from ...superelement.validation import Array
 from . import glyphs
 from .bodies import Body
-from .holding import HANGING, place_of
-from .tracks import GROUND, Track, Tracks
+from .holding import HOLDING_GROUPS, place_of
+from .tracks import GROUND_NAME, Track, Tracks
 
-JOINT, SPRING, CONTACT, FORCE = "#274c8f", "#1b7f4d", "#d62728", "#d9480f"
-LEGEND = {"joints": JOINT, "springs": SPRING, "contacts": CONTACT, "forces": FORCE}
-"""kinds of marks whose colors are explained"""
-GROUNDED, LEG, FLOOR, SURFACE = "#5c636a", "#9aa1ab", "#e9e4da", "#b08d57"
-SHADED, SEEN_THROUGH = 0.85, 0.3
-"""opacity of marks, and of what is around or in bodies"""
-LONGEST = 0.15
-"""of arrows, over the size of the model"""
-BEYOND = 0.15
-"""how far a floor reaches beyond what comes near it, over the size of the model"""
-LARGEST = 2.0
-"""radius of a round shape, over the size of the model, up to which it is drawn"""
-NEAR = 0.04
-"""the same of a shape that a body carries"""
-LEAST = 0.03
-"""of the largest force: those below have no arrow"""
-WIDE = 1.5
-"""width of springs over the radius of marks"""
+JOINT_COLOR = "#274c8f"
+SPRING_COLOR = "#1b7f4d"
+CONTACT_COLOR = "#d62728"
+FORCE_COLOR = "#d9480f"
+# Kinds of marks whose colors are explained; the others explain themselves.
+MARK_LEGEND = {
+    "joints": JOINT_COLOR,
+    "springs": SPRING_COLOR,
+    "contacts": CONTACT_COLOR,
+    "forces": FORCE_COLOR,
+}
+GROUND_COLOR = "#5c636a"
+LEG_COLOR = "#9aa1ab"
+FLOOR_COLOR = "#e9e4da"
+SHAPE_COLOR = "#b08d57"
+# Of marks in bodies, which stay visible within; and of shapes around bodies, which must not hide
+# them.
+MARK_OPACITY = 0.85
+SHAPE_OPACITY = 0.3
+# Over the size of the model.
+LONGEST_ARROW = 0.15
+# How far a floor reaches beyond what comes near it, over the size of the model.
+FLOOR_OVERHANG = 0.15
+# Radius over the size of the model: a larger one stands for a face that is hardly curved, and
+# would fill the picture.
+MAX_ROUND_SHAPE = 2.0
+# As of a floor, of a shape that a body carries.
+CARRIED_OVERHANG = 0.04
+# Of the largest force: smaller ones would be specks.
+LEAST_ARROW_SHARE = 0.03
+# Over the radius of marks.
+SPRING_WIDTH = 1.5
 
-ARROW, TRIAD, COIL, SEGMENT = glyphs.arrow(), glyphs.triad(), glyphs.coil(), glyphs.segment()
-TUBE = glyphs.tube()
-SPHERE, PLATE = figures.sphere(1.0), figures.box([1.0, 1.0, 0.0])
+ARROW_GLYPH = glyphs.arrow()
+TRIAD_GLYPH = glyphs.triad()
+COIL_GLYPH = glyphs.coil()
+SEGMENT_GLYPH = glyphs.segment()
+TUBE_GLYPH = glyphs.tube()
+SPHERE_GLYPH = figures.sphere(1.0)
+PLATE_GLYPH = figures.box([1.0, 1.0, 0.0])
 E_Z = np.array([0.0, 0.0, 1.0])
-BY_TYPE: dict[str, Outline] = {
+# With their axis along z, over the radius of marks; others are spheres.
+JOINT_GLYPHS: dict[str, Outline] = {
     "revolute": figures.cylinder(0.75, 3.2, E_Z),
     "cylindrical": figures.cylinder(0.6, 4.4, E_Z),
     "screw": figures.cylinder(0.6, 4.4, E_Z),
@@ -47,9 +66,8 @@ BY_TYPE: dict[str, Outline] = {
     "planar": figures.box([3.0, 3.0, 0.4]),
     "point_on_plane": figures.box([3.0, 3.0, 0.4]),
     "fixed": figures.box([1.3, 1.3, 1.3]),
-    "spherical": SPHERE,
+    "spherical": SPHERE_GLYPH,
 }
-"""shapes of joints with their axis along z, over the radius of marks; others are spheres"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +84,7 @@ class Mark:
     x: Array
     A: Array
     before: bool = True
-    opacity: float = SHADED
+    opacity: float = MARK_OPACITY
 
     def position(self, rows: slice) -> Array:
         """(k, p, 3) [m]"""
@@ -123,7 +141,7 @@ def marks_of(results: Results, placing: Placing, radius: float, size: float) -> 
             found += _between(coupling, placing, radius)
         elif coupling.group in ("joints", "motions"):
             found += _joint(coupling, ends, placing, radius)
-        if coupling.group in HANGING:
+        if coupling.group in HOLDING_GROUPS:
             found += _grounds(coupling, placing.tracks, radius)
     found += shapes_of(results, placing, size)
     found += _legs(results, placing, radius)
@@ -139,7 +157,7 @@ def largest_force(results: Results, tracks: Tracks) -> float:
 
 
 def is_ground(name: str) -> bool:
-    return name.partition(".")[0] == GROUND
+    return name.partition(".")[0] == GROUND_NAME
 
 
 def _joint(
@@ -151,7 +169,7 @@ def _joint(
     ]
     if not moving:
         return
-    glyph, axes = BY_TYPE.get(coupling.type, SPHERE), ends[0]
+    glyph, axes = JOINT_GLYPHS.get(coupling.type, SPHERE_GLYPH), ends[0]
     axis = np.array([0.0, 0.0, 1.0]) if coupling.axis is None else np.asarray(coupling.axis)
     x = placing.seen(moving[0])
     if is_ground(coupling.between[0]):
@@ -159,25 +177,25 @@ def _joint(
     elif axes is not None:
         way = axes.turned(axis)
     else:
-        glyph, way = SPHERE, np.broadcast_to(axis, x.shape)
-    yield Mark("joints", JOINT, glyph, x, radius * along(way))
+        glyph, way = SPHERE_GLYPH, np.broadcast_to(axis, x.shape)
+    yield Mark("joints", JOINT_COLOR, glyph, x, radius * along(way))
 
 
 def _between(coupling: Connection, placing: Placing, radius: float) -> Iterator[Mark]:
     """A spring or a rod, as long as it is; a ball where it is short, as a bushing."""
     if (ends := placing.ends(coupling)) is None:
         return
-    kind, color = ("joints", JOINT) if coupling.type == "rod" else ("springs", SPRING)
+    kind, color = ("joints", JOINT_COLOR) if coupling.type == "rod" else ("springs", SPRING_COLOR)
     start, way = ends[0], ends[1] - ends[0]
     length = np.linalg.norm(way, axis=1)
     if length.max() < 2.0 * radius:
         A = np.broadcast_to(1.2 * radius * np.eye(3), (len(way), 3, 3))
-        yield Mark(kind, color, SPHERE, start, A)
+        yield Mark(kind, color, SPHERE_GLYPH, start, A)
         return
     A = along(way)
-    A[:, :, :2] *= WIDE * radius
+    A[:, :, :2] *= SPRING_WIDTH * radius
     A[:, :, 2] *= length[:, None]
-    yield Mark(kind, color, SEGMENT if kind == "joints" else COIL, start, A)
+    yield Mark(kind, color, SEGMENT_GLYPH if kind == "joints" else COIL_GLYPH, start, A)
 
 
 def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Mark]:
@@ -187,7 +205,7 @@ def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Ma
         track = tracks.end(name, other) if is_ground(name) else None
         if track is not None:
             A = np.broadcast_to(4.0 * radius * np.eye(3), (len(track.position), 3, 3))
-            yield Mark("ground", GROUNDED, TRIAD, track.position, A)
+            yield Mark("ground", GROUND_COLOR, TRIAD_GLYPH, track.position, A)
 
 
 def shapes_of(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
@@ -209,7 +227,7 @@ def shapes_of(results: Results, placing: Placing, size: float) -> Iterator[Mark]
     for coupling, carrier, apart_all in met.values():
         apart = np.concatenate(apart_all)
         low, high = apart.min(axis=0), apart.max(axis=0)
-        beyond = (BEYOND if is_ground(coupling.between[0]) else NEAR) * size
+        beyond = (FLOOR_OVERHANG if is_ground(coupling.between[0]) else CARRIED_OVERHANG) * size
         yield from _shape(
             coupling, placing.seen(carrier), carrier, low - beyond, high + beyond, size
         )
@@ -241,19 +259,19 @@ def _shape(
     """
     shape, middle, extent = coupling.shape, 0.5 * (low + high), high - low
     if coupling.type == "plane":
-        glyph, middle, extent = PLATE, middle * [1, 1, 0], np.array([*extent[:2], 1.0])
-        color, opacity = FLOOR, SHADED
-    elif shape is None or shape.radius > LARGEST * size:
+        glyph, middle, extent = PLATE_GLYPH, middle * [1, 1, 0], np.array([*extent[:2], 1.0])
+        color, opacity = FLOOR_COLOR, MARK_OPACITY
+    elif shape is None or shape.radius > MAX_ROUND_SHAPE * size:
         return
     else:
-        color, opacity, round_ = SURFACE, SEEN_THROUGH, shape.radius
+        color, opacity, round_ = SHAPE_COLOR, SHAPE_OPACITY, shape.radius
         if np.isfinite(shape.length):
             middle, extent[2] = np.zeros(3), shape.length
         middle = middle * [0, 0, 1]
         if coupling.type == "sphere":
-            glyph, middle, extent = SPHERE, np.zeros(3), np.full(3, round_)
+            glyph, middle, extent = SPHERE_GLYPH, np.zeros(3), np.full(3, round_)
         elif coupling.type == "cylinder":
-            glyph, extent = TUBE, np.array([round_, round_, extent[2]])
+            glyph, extent = TUBE_GLYPH, np.array([round_, round_, extent[2]])
         else:
             glyph, extent = glyphs.extruded(shape.curve), np.array([1.0, 1.0, extent[2]])
     basis = _basis(coupling)
@@ -268,7 +286,7 @@ def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:
     for coupling in results.couplings:
         for name in coupling.between:
             body, _, frame = name.partition(".")
-            track = placing.find(name) if frame and body != GROUND else None
+            track = placing.find(name) if frame and body != GROUND_NAME else None
             if name in seen or track is None or placing.flexible(body):
                 continue
             seen.add(name)
@@ -276,7 +294,7 @@ def _legs(results: Results, placing: Placing, radius: float) -> Iterator[Mark]:
             A = along(track.position - center)
             A[:, :, 2] *= np.linalg.norm(track.position - center, axis=1)[:, None]
             if np.linalg.norm(A[0, :, 2]) > 2.0 * radius:
-                yield Mark("bodies", LEG, SEGMENT, center, A, before=False)
+                yield Mark("bodies", LEG_COLOR, SEGMENT_GLYPH, center, A, before=False)
 
 
 def _contact(
@@ -290,7 +308,7 @@ def _contact(
     assert isinstance(motion, ContactMotion)
     closed = tracks.nearest(motion.state) > 0.0
     A = np.where(closed[:, None, None], 1.3 * radius * np.eye(3), 0.0)
-    yield Mark("contacts", CONTACT, SPHERE, tracks.at(motion.point), A)
+    yield Mark("contacts", CONTACT_COLOR, SPHERE_GLYPH, tracks.at(motion.point), A)
 
 
 def _loaded(results: Results, tracks: Tracks) -> Iterator[tuple[Track, Array]]:
@@ -313,11 +331,11 @@ def _forces(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
     largest = largest_force(results, placing.tracks)
     for track, force in _loaded(results, placing.tracks):
         strength = np.linalg.norm(force, axis=1)
-        shown = strength > LEAST * largest
+        shown = strength > LEAST_ARROW_SHARE * largest
         if shown.any():
-            length = np.where(shown, strength, 0.0) * LONGEST * size / largest
+            length = np.where(shown, strength, 0.0) * LONGEST_ARROW * size / largest
             A = along(force) * length[:, None, None]
-            yield Mark("forces", FORCE, ARROW, placing.seen(track), A)
+            yield Mark("forces", FORCE_COLOR, ARROW_GLYPH, placing.seen(track), A)
 
 
 def along(z: Array) -> Array:

@@ -11,25 +11,26 @@ from ...results import Results
 from ...results.steps import batches
 from ...superelement.validation import Array
 from ..errors import PictureError
-from ..field_kinds import FIELDS
+from ..field_kinds import FIELD_WORDS
+from ..prefixes import rounded_down
 from .bodies import Body, bodies_on_stage
-from .marks import LEGEND, Mark, Placing, largest_force, marks_of
+from .marks import MARK_LEGEND, Mark, Placing, largest_force, marks_of
 from .tracks import Tracks
 
 Single = NDArray[np.float32]
 NO_FIELD = "none"
-AT_ONCE = 3_000_000
-"""points of all bodies, times frames, of which positions and values are in memory"""
-KEPT = 1 << 29
-"""bytes of positions and values of all frames that are kept"""
-SEEN = 0.02
-"""largest deformation over the size of the model that is seen without magnification"""
-WANTED = 0.05
-"""the same when it is magnified"""
-ROUNDING = 1e-8
-"""the same below which it is rounding, and nothing to be magnified"""
-MARK = 0.009
-"""radius of marks over the size of the model"""
+# Points of all bodies times frames: some 50 MB of positions and values.
+BATCH_POINT_FRAMES = 3_000_000
+# Of positions and values of all frames, which every pass needs again.
+MAX_KEPT_BYTES = 1 << 29
+# Over the size of the model: what is larger is seen as it is.
+VISIBLE_DEFORMATION = 0.02
+# Over the size of the model, when it is magnified: clear, and no caricature.
+WANTED_DEFORMATION = 0.05
+# Over the size of the model: nothing to be magnified.
+ROUNDING_DEFORMATION = 1e-8
+# Over the size of the model.
+MARK_RADIUS = 0.009
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +51,9 @@ class Batch:
 class Stage:
     """Bodies and marks of a run at times (k,) [s].
 
-    field: one of `FIELDS`, "none", or None for the choice: stresses where all flexible bodies know
-    them, else displacements where one is flexible. magnify: of deformation, None for the choice.
+    field: one of `FIELD_WORDS`, "none", or None for the choice: stresses where all flexible bodies
+    know them, else displacements where one is flexible. magnify: of deformation, None for the
+    choice.
     """
 
     def __init__(
@@ -69,9 +71,9 @@ class Stage:
             raise PictureError("the run recorded the motion of no body: nothing can be drawn")
         self.size = size_of(self.bodies)
         points = sum(len(body.X) for body in self.bodies)
-        self.rows = batches(len(times), AT_ONCE // max(points, 1))
+        self.rows = batches(len(times), BATCH_POINT_FRAMES // max(points, 1))
         # All passes over the frames need the same positions, which is most of the work.
-        self._keeps = 16 * points * len(times) <= KEPT
+        self._keeps = 16 * points * len(times) <= MAX_KEPT_BYTES
         self._kept: dict[int, Batch] = {}
         self.middle: Array = np.mean([body.track.position[0] for body in self.bodies], axis=0)
         remarks = (results.outline_remark(body.name) for body in self.bodies)
@@ -81,7 +83,7 @@ class Stage:
         chosen = chosen_magnification(self.bodies, self.rows) if magnify is None else magnify
         self.magnification = chosen
         self.placing = Placing(tracks, self.bodies, self.magnification)
-        self.radius = MARK * self.size
+        self.radius = MARK_RADIUS * self.size
         self.marks: tuple[Mark, ...] = ()
         self.largest_force = 0.0
         if marks:
@@ -103,7 +105,7 @@ class Stage:
     def legend(self) -> tuple[tuple[str, str], ...]:
         """The kinds of marks that there are, with their colors."""
         kinds = {mark.kind for mark in self.marks}
-        return tuple((kind, color) for kind, color in LEGEND.items() if kind in kinds)
+        return tuple((kind, color) for kind, color in MARK_LEGEND.items() if kind in kinds)
 
     @property
     def told(self) -> tuple[Body, ...]:
@@ -157,11 +159,9 @@ def magnification(largest: float, size: float) -> float:
 
     largest, size: of deformation and model [m].
     """
-    if largest >= SEEN * size or largest <= ROUNDING * size:
+    if largest >= VISIBLE_DEFORMATION * size or largest <= ROUNDING_DEFORMATION * size:
         return 1.0
-    wanted = WANTED * size / largest
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step <= wanted / power))
+    return rounded_down(WANTED_DEFORMATION * size / largest)
 
 
 def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:
@@ -169,8 +169,8 @@ def chosen_field(bodies: tuple[Body, ...], field: str | None) -> str:
     if field == NO_FIELD:
         return ""
     if field is not None:
-        if field not in FIELDS:
-            known = ", ".join([*FIELDS, NO_FIELD])
+        if field not in FIELD_WORDS:
+            known = ", ".join([*FIELD_WORDS, NO_FIELD])
             raise PictureError(f"--field: expected {known}, found {field!r}")
         return field
     flexible = [body for body in bodies if body.flexible]

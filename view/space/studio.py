@@ -15,34 +15,25 @@ from .bodies import Body
 from .lettering import Frame, Image
 from .marks import Mark
 from .stage import Batch, Stage
-from .surface import mesh_edges, surface
+from .surface import mesh_edges, point_normals, pyvista, surface
 
-PLAIN = (0.80, 0.82, 0.85)
-"""bodies beside those that are colored"""
-APART = 7.0
-"""the least length of usual edges [pixels] that are drawn: shorter ones would blacken a body"""
-NEAR, IN_FRONT = 400.0, 66000.0
-"""how far edges are before their facets, and marks before all bodies, in units of depth"""
-EDGE = (0.25, 0.27, 0.30)
-FINER = 2
-"""pixels drawn for each one shown, across and down: by software that is cheaper than the samples
-of OpenGL, and smoother"""
-MOST_PIXELS = 16_000_000
-"""drawn in that way; larger pictures are smoothed by OpenGL"""
-NEEDED = "duhamel animate needs pyvista: pip install 'duhamel[view]'"
-BLIND = (
+# Bodies beside those that are colored: gray says that they have no value.
+UNCOLORED_BODY = (0.80, 0.82, 0.85)
+# Of usual edges [pixels]: shorter ones would blacken a body.
+LEAST_EDGE_LENGTH = 7.0
+# In units of depth: edges lie before their facets, and marks before all bodies.
+EDGE_OFFSET = 400.0
+MARK_OFFSET = 66000.0
+EDGE_COLOR = (0.25, 0.27, 0.30)
+# Pixels drawn for each one shown, across and down: by software that is cheaper than the samples
+# of OpenGL, and smoother.
+SUPERSAMPLING = 2
+# Larger pictures are smoothed by OpenGL, for their memory.
+MAX_SUPERSAMPLED_PIXELS = 16_000_000
+NO_OPENGL = (
     "OpenGL was not found, not even in software: Debian has it in libgl1, libegl1, libegl-mesa0 "
     "and libgl1-mesa-dri"
 )
-
-
-def pyvista() -> Any:
-    """The library; PictureError without it."""
-    try:
-        import pyvista
-    except ImportError as error:
-        raise PictureError(NEEDED) from error
-    return pyvista
 
 
 def _window(size: tuple[int, int]) -> Any:
@@ -52,7 +43,7 @@ def _window(size: tuple[int, int]) -> Any:
     with library.vtk_verbosity("off"):
         plotter = library.Plotter(off_screen=True, window_size=size, lighting="none")
         if not plotter.render_window.SupportsOpenGL():
-            raise PictureError(BLIND)
+            raise PictureError(NO_OPENGL)
     return plotter
 
 
@@ -62,7 +53,9 @@ class Studio:
     def __init__(self, stage: Stage, camera: Camera, frame: Frame) -> None:
         self._stage, self._frame = stage, frame
         width, height = frame.size
-        self._finer = FINER if FINER**2 * width * height <= MOST_PIXELS else 1
+        self._finer = (
+            SUPERSAMPLING if SUPERSAMPLING**2 * width * height <= MAX_SUPERSAMPLED_PIXELS else 1
+        )
         self._size = self._finer * width, self._finer * height
         self._plotter = _window(self._size)
         self._plotter.set_background("white")
@@ -151,7 +144,7 @@ class _BodyFigure:
         self._colored = body in stage.told
         self._surface = surface(body.X, outline.triangles) if len(outline.triangles) else None
         style: dict[str, Any] = {
-            "color": PLAIN if stage.field else tint(number),
+            "color": UNCOLORED_BODY if stage.field else tint(number),
             "show_scalar_bar": False,
         }
         if self._colored:
@@ -176,9 +169,13 @@ class _BodyFigure:
             if len(edges):
                 self._lines = _mesh(body.X, lines=edges)
                 drawn = plotter.add_mesh(
-                    self._lines, color=EDGE, line_width=1.0 * finer, opacity=0.55, lighting=False
+                    self._lines,
+                    color=EDGE_COLOR,
+                    line_width=1.0 * finer,
+                    opacity=0.55,
+                    lighting=False,
                 )
-                _bring_forward(drawn, NEAR)
+                _bring_forward(drawn, EDGE_OFFSET)
         if len(outline.lines):
             self._rods = _mesh(body.X, lines=outline.lines)
             self._rods.point_data["value"] = np.zeros(len(body.X), np.float32)
@@ -189,7 +186,7 @@ class _BodyFigure:
         if self._mesh is not None and self._surface is not None:
             here = points[self._surface.copies]
             self._mesh.points = here
-            self._mesh.point_data["Normals"][:] = self._surface.normals(here)
+            self._mesh.point_data["Normals"][:] = point_normals(here, self._surface.triangles)
             if values is not None:
                 self._mesh.point_data["value"][:] = values[self._surface.copies]
             self._mesh.Modified()
@@ -209,9 +206,16 @@ def _drawn_edges(body: Body, sharp: IntArray, pixel: float) -> IntArray:
         meshed = edges is not sharp
         if meshed and (not body.flexible or body.outline.node is not None):
             continue
-        if len(edges) and np.percentile(lengths, 25.0 if meshed else 50.0) >= APART * pixel:
+        if (
+            len(edges)
+            and np.percentile(lengths, 25.0 if meshed else 50.0) >= LEAST_EDGE_LENGTH * pixel
+        ):
             return edges
-    return sharp if body.outline.node is None and _width(body) >= 3.0 * APART * pixel else sharp[:0]
+    return (
+        sharp
+        if body.outline.node is None and _width(body) >= 3.0 * LEAST_EDGE_LENGTH * pixel
+        else sharp[:0]
+    )
 
 
 def _width(body: Body) -> float:
@@ -236,7 +240,7 @@ class _MarkFigure:
             opacity=mark.opacity if shaded else 1.0,
         )
         if mark.before:
-            _bring_forward(actor, IN_FRONT)
+            _bring_forward(actor, MARK_OFFSET)
 
     def move(self, points: Array) -> None:
         self._mesh.points = points.astype(np.float32)

@@ -8,11 +8,11 @@ import numpy as np
 from ...superelement.validation import Array
 from ..errors import PictureError
 
-PLAYING = 8.0
-"""time that a film plays unless it is told [s]"""
+# Long enough to be followed, short enough to be looped.
+USUAL_SECONDS = 8.0
 FRAMES_PER_SECOND = 25.0
-SHOWN_DIFFERENTLY = 0.02
-"""relative to one: a film that is faster or slower than time by less is shown in real time"""
+# A film that is faster or slower by less is called real time.
+REAL_TIME_TOLERANCE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Timing:
     def words(self) -> str:
         """How fast the film plays, as "slowed down 25 x"."""
         slowness = self.slowness
-        if slowness == 0.0 or abs(slowness - 1.0) < SHOWN_DIFFERENTLY:
+        if slowness == 0.0 or abs(slowness - 1.0) < REAL_TIME_TOLERANCE:
             return "real time" if slowness else ""
         way, factor = ("slowed down", slowness) if slowness > 1.0 else ("sped up", 1.0 / slowness)
         return f"{way} {_brief(factor)} ×"
@@ -62,7 +62,7 @@ def timing(
         if number is not None and not (isfinite(number) and number > 0):
             raise PictureError(f"{name}: expected a number above 0, found {number:g}")
     if frames is None:
-        frames = max(round(fps * (PLAYING if seconds is None else seconds)), 1)
+        frames = max(round(fps * (USUAL_SECONDS if seconds is None else seconds)), 1)
     elif seconds is not None:
         fps = frames / seconds
     if end == start:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...results import Results
-from ...results.recovery import Instants, in_space, instants
-from ...results.rotations import inverse
+from ...results.recovery import Instants, instants
+from ...results.rotations import inverse, rotate
 from ...superelement.validation import Array
 
-GROUND = "ground"
+GROUND_NAME = "ground"
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,15 +28,11 @@ class Track:
 
     def turned(self, vector: Array) -> Array:
         """A vector (3,) of its axes in space (k, 3)."""
-        still = np.broadcast_to(vector, (len(self.position), 1, 3))
-        return in_space(np.zeros((len(still), 3)), self.rotation, still)[:, 0]
+        return rotate(self.rotation, vector)
 
     def seen_from(self, position: Array) -> Array:
         """Positions (k, 3) in space from its own, in its axes."""
-        back = inverse(self.rotation)
-        still = np.zeros((len(back), 3))
-        seen: Array = in_space(still, back, (position - self.position)[:, None])[:, 0]
-        return seen
+        return rotate(inverse(self.rotation), position - self.position)
 
 
 class Tracks:
@@ -79,7 +75,7 @@ class Tracks:
     def find(self, name: str) -> Track | None:
         """The track of "BODY.FRAME", "BODY" or "ground.FRAME"; None where it is not known."""
         body, _, frame = name.partition(".")
-        if body == GROUND:
+        if body == GROUND_NAME:
             known = self._results.ground_frames
             return self._still(known[frame]) if frame in known else None
         if f"frames/{name}" in self._recorded:
@@ -88,7 +84,7 @@ class Tracks:
 
     def end(self, name: str, other: str) -> Track | None:
         """The track of an end of a coupling; "ground" is where the other end starts."""
-        if name != GROUND:
+        if name != GROUND_NAME:
             return self.find(name)
         if f"frames/{other}" in self._recorded:
             return self._still(self._results.frame(other).position[0])

@@ -10,22 +10,25 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...files.outputs import in_words, renamed_when_whole
-from ..errors import PictureError
+from ..errors import PictureError, require_target
 from .lettering import Image
 
-FILM, MOVING, STILL = ".mp4", ".gif", ".png"
-SUFFIXES = (FILM, MOVING, STILL)
-NUMBERED = re.compile(r"%0?\d*d")
-QUALITY = ("-crf", "20", "-preset", "veryfast")
-"""of H.264: a crf of 18 can hardly be told from the original, 23 is usual"""
-COLORS, GRAYS = 220, 35
-"""of a GIF"""
-GRAY = 14
-"""levels between the channels of what counts as gray"""
-CELL = 6
-"""levels of a channel that count as one color there"""
-SAMPLED = 8
-"""frames from which the colors of a GIF are taken"""
+FILM_SUFFIX = ".mp4"
+GIF_SUFFIX = ".gif"
+PICTURE_SUFFIX = ".png"
+FILM_SUFFIXES = (FILM_SUFFIX, GIF_SUFFIX, PICTURE_SUFFIX)
+FRAME_NUMBER = re.compile(r"%0?\d*d")
+# A crf of 18 can hardly be told from the original, 23 is usual.
+H264_QUALITY = ("-crf", "20", "-preset", "veryfast")
+# Of the 256 that a GIF can have; letters and light bodies need the grays.
+GIF_COLORS = 220
+GIF_GRAYS = 35
+# Levels between the channels of what counts as gray.
+MAX_GRAY_SPREAD = 14
+# Levels of a channel that count as one color: so a large plain face does not take all colors.
+LEVELS_OF_A_COLOR = 6
+# From which the colors of a GIF are taken: one palette for all, or it would flicker.
+PALETTE_FRAMES = 8
 
 
 class Sink(Protocol):
@@ -36,19 +39,13 @@ class Sink(Protocol):
 
 def require_format(path: Path, size: tuple[int, int], several: bool) -> None:
     """PictureError if no such file can be made.   several: it is more than a single frame"""
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise PictureError(
-            f"{path}: expected a suffix of {', '.join(SUFFIXES)}, found {path.suffix!r}"
-        )
-    if not path.parent.is_dir():
-        raise PictureError(f"{path}: no folder {path.parent}")
-    if suffix == STILL and several and not NUMBERED.search(path.name):
+    suffix = require_target(path, FILM_SUFFIXES)
+    if suffix == PICTURE_SUFFIX and several and not FRAME_NUMBER.search(path.name):
         raise PictureError(
             f"{path}: expected --at TIME or --at worst for one picture, "
             "or a name with a number for many, as frame-%04d.png"
         )
-    if suffix == FILM and (size[0] % 2 or size[1] % 2):
+    if suffix == FILM_SUFFIX and (size[0] % 2 or size[1] % 2):
         raise PictureError(f"{path}: expected even numbers as --size of a film, found {size}")
 
 
@@ -57,15 +54,15 @@ def written(path: Path, size: tuple[int, int], fps: float, frames: int) -> Itera
     """What takes the frames of a film and makes a file of them at the end of the block."""
     suffix = path.suffix.lower()
     try:
-        if suffix == STILL and frames > 1:
+        if suffix == PICTURE_SUFFIX and frames > 1:
             yield _Stills(path)
             return
         with renamed_when_whole(path) as temporary:
-            if suffix == FILM:
+            if suffix == FILM_SUFFIX:
                 with _h264(temporary, size, fps, frames) as film:
                     yield film
             else:
-                sink = _Moving(fps) if suffix == MOVING else _Still()
+                sink = _Moving(fps) if suffix == GIF_SUFFIX else _Still()
                 yield sink
                 sink.save(temporary)
     except OSError as error:
@@ -88,7 +85,7 @@ class _Stills:
 
     def put(self, image: Image) -> None:
         self._number += 1
-        name = NUMBERED.sub(lambda found: found[0] % self._number, self._path.name, count=1)
+        name = FRAME_NUMBER.sub(lambda found: found[0] % self._number, self._path.name, count=1)
         path = self._path.with_name(name)
         try:
             with renamed_when_whole(path) as temporary:
@@ -128,7 +125,7 @@ class _Moving:
         )
 
     def _palette(self) -> Any:
-        chosen = np.linspace(0, len(self._packed) - 1, SAMPLED).round().astype(int)
+        chosen = np.linspace(0, len(self._packed) - 1, PALETTE_FRAMES).round().astype(int)
         together = np.concatenate([np.asarray(self._frame(n)) for n in np.unique(chosen)])
         return _palette_of(together.reshape(-1, 3))
 
@@ -144,14 +141,14 @@ def _palette_of(colors: Image) -> Any:
     """
     from PIL import Image as Images
 
-    bright = colors[np.ptp(colors.astype(int), axis=1) > GRAY]
-    _, first = np.unique(bright // CELL @ [1 << 12, 1 << 6, 1], return_index=True)
-    grays = np.repeat(np.linspace(0, 255, GRAYS).astype(int), 3).tolist()
+    bright = colors[np.ptp(colors.astype(int), axis=1) > MAX_GRAY_SPREAD]
+    _, first = np.unique(bright // LEVELS_OF_A_COLOR @ [1 << 12, 1 << 6, 1], return_index=True)
+    grays = np.repeat(np.linspace(0, 255, GIF_GRAYS).astype(int), 3).tolist()
     found: list[int] = []
     if len(first):
-        found = list(_picture(bright[first][None]).quantize(COLORS, dither=0).getpalette())
+        found = list(_picture(bright[first][None]).quantize(GIF_COLORS, dither=0).getpalette())
     palette = Images.new("P", (1, 1))
-    palette.putpalette([*grays, *found[: 3 * COLORS]])
+    palette.putpalette([*grays, *found[: 3 * GIF_COLORS]])
     return palette
 
 
@@ -172,7 +169,7 @@ def _h264(path: Path, size: tuple[int, int], fps: float, frames: int) -> Iterato
         macro_block_size=2,
         quality=None,
         ffmpeg_log_level="fatal",
-        output_params=[*QUALITY, "-f", "mp4", "-movflags", "+faststart"],
+        output_params=[*H264_QUALITY, "-f", "mp4", "-movflags", "+faststart"],
     )
     writer.send(None)
     try:

@@ -93,6 +93,7 @@ class _Family:
         INSTANCE.ITEM.
         """
         holder, _, rest = item.upper().partition(".")
+        # Names with a point in them are common: only that of an instance is a prefix.
         if rest and holder in self._instances:
             return self.members(holder, rest, inside)
         numbering, first, sets = self._instances[instance]
@@ -134,6 +135,7 @@ def _group_name(name: str, instance: Instance, instances: Mapping[str, Instance]
         *outside.elsets.entries,
         *(s["NAME"].upper() for s in outside.surfaces),
     }
+    # Two entries: the nameless one of the file itself, and the only instance.
     plain = instance.part is outside or (len(instances) == 2 and name.upper() not in taken)
     return name if plain else f"{instance.name}.{name}"
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...errors import MeshError
-from .text import files, lines
+from .text import INTEGER_PATTERN, lines
 
-_INTEGER = re.compile(r"[+-]?\d{1,18}")
 _INCLUDE = re.compile(r'\*INCLUDE\s*,\s*INPUT\s*=\s*"?([^"]+?)"?\s*,?\s*', re.IGNORECASE)
 
 
@@ -35,7 +34,7 @@ class Keyword:
 
     def ints(self, items: list[str]) -> list[int]:
         for item in items:
-            if not _INTEGER.fullmatch(item):
+            if not INTEGER_PATTERN.fullmatch(item):
                 raise MeshError(
                     f"{self.location}: *{self.name}: expected an integer, found {item!r}"
                 )
@@ -55,7 +54,7 @@ def keywords(path: Path) -> Iterator[Keyword]:
     """The keywords of a file and of those it includes, in their order."""
     keyword: Keyword | None = None
     head = ""
-    for location, text in lines(path, _included):
+    for location, text in lines(path, abaqus_include):
         if not text.strip() or text.startswith("**"):
             continue
         if head or text.startswith("*"):
@@ -79,19 +78,15 @@ def keywords(path: Path) -> Iterator[Keyword]:
     yield keyword
 
 
-def files_of(path: Path) -> list[Path]:
-    """A deck and the files that it includes."""
-    return files(path, _included)
-
-
 def _keyword(text: str, location: str) -> Keyword:
     name, *parameters = [" ".join(item.split()) for item in text[1:].split(",")]
+    # Flags have no value, and are there by their name alone.
     pairs = [parameter.partition("=") for parameter in parameters if parameter]
     values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
     return Keyword(name.upper(), values, location)
 
 
-def _included(text: str) -> str | None:
+def abaqus_include(text: str) -> str | None:
     """The file of `*INCLUDE, INPUT=file`."""
     match = _INCLUDE.fullmatch(text)
     return match and match[1]

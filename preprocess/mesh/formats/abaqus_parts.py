@@ -10,28 +10,28 @@ from scipy.spatial.transform import Rotation
 
 from ....superelement.validation import Array
 from ...errors import MeshError
+from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES, IntArray
 from .abaqus_deck import Keyword, keywords
 from .draft import not_in_the_body
 
-# Types of cells and numbers of nodes by the names of elements: solids, whatever makes facets,
-# trusses and beams.
+# Types of cells by the names of elements: solids, whatever makes facets, trusses and beams.
 _KINDS = (
-    (r"C3D4", "tetra", 4),
-    (r"C3D5", "pyramid", 5),
-    (r"C3D6", "wedge", 6),
-    (r"C3D8", "hexahedron", 8),
-    (r"C3D10", "tetra10", 10),
-    (r"C3D15", "wedge15", 15),
-    (r"C3D20", "hexahedron20", 20),
-    (r"C3D27", "hexahedron27", 27),
-    (r"STRI3|(S|CP[SE]|CAX|M3D|SFM3D|R3D)3", "triangle", 3),
-    (r"STRI65|(S|CP[SE]|CAX|M3D|SFM3D)6", "triangle6", 6),
-    (r"(S|CP[SE]|CAX|M3D|SFM3D|R3D)4", "quad", 4),
-    (r"(S|CP[SE]|CAX|M3D|SFM3D)8", "quad8", 8),
-    (r"(S|M3D)9", "quad9", 9),
-    (r"T[23]D2|B[23][13]", "line", 2),
-    (r"T[23]D3|B[23]2", "line3", 3),
+    (r"C3D4", "tetra"),
+    (r"C3D5", "pyramid"),
+    (r"C3D6", "wedge"),
+    (r"C3D8", "hexahedron"),
+    (r"C3D10", "tetra10"),
+    (r"C3D15", "wedge15"),
+    (r"C3D20", "hexahedron20"),
+    (r"C3D27", "hexahedron27"),
+    (r"STRI3|(S|CP[SE]|CAX|M3D|SFM3D|R3D)3", "triangle"),
+    (r"STRI65|(S|CP[SE]|CAX|M3D|SFM3D)6", "triangle6"),
+    (r"(S|CP[SE]|CAX|M3D|SFM3D|R3D)4", "quad"),
+    (r"(S|CP[SE]|CAX|M3D|SFM3D)8", "quad8"),
+    (r"(S|M3D)9", "quad9"),
+    (r"T[23]D2|B[23][13]", "line"),
+    (r"T[23]D3|B[23]2", "line3"),
 )
 # Shells and beams, which carry load in the deck. Membranes and trusses are what Gmsh writes for
 # groups of surfaces and lines.
@@ -112,8 +112,7 @@ class Instance:
     @property
     def points(self) -> Array:
         points = np.array(self.part.points).reshape(-1, 3) + self.translation - self.axis_point
-        moved: Array = self.axis_point + points @ self.rotation.T
-        return moved
+        return np.asarray(self.axis_point + points @ self.rotation.T)
 
 
 def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
@@ -137,6 +136,7 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                         f"{keyword.location}: no part {keyword['PART']!r} before this instance of "
                         "it"
                     )
+                # Instances may add sets and nodes to a part, which the next instance must not see.
                 part = parts[keyword["PART"].upper()].copy()
                 instances[keyword["NAME"].upper()] = _instance(part, keyword)
             case "END PART" | "END INSTANCE":
@@ -211,11 +211,13 @@ def _add_elements(part: Part, keyword: Keyword) -> int | None:
         raise MeshError(f"{keyword.location}: *ELEMENT: expected elements below it")
     numbers = NO_NODES
     kinds = [
-        (kind, k)
-        for name, kind, k in _KINDS
+        kind
+        for name, kind in _KINDS
         if re.fullmatch(rf"({name})([A-Z]\w*)?", keyword["TYPE"].upper())
     ]
-    for kind, k in kinds:
+    for kind in kinds:
+        k = NODES_PER_CELL[kind]
+        # Elements with many nodes go on in the next line; only their count says where they end.
         items = keyword.ints([item for line in keyword.data for item in line if item])
         if len(items) % (1 + k):
             raise MeshError(

@@ -23,6 +23,7 @@ def mark_values(
     if values.dtype.kind not in "iub" or values.size != len(values):
         return
     distinct, which = np.unique(values.ravel().astype(np.int64), return_inverse=True)
+    # A numbering would make a group of each cell; two cells may well be two groups.
     if len(distinct) == len(values) > 2:
         return
     if len(distinct) > MAX_GROUP_VALUES:

@@ -62,6 +62,7 @@ class Draft:
                 kind: np.unique(np.concatenate(rows))
                 for kind, rows in self._cells.get(name, {}).items()
             }
+            # Files may name a member twice, as sets within sets do.
             points = np.unique(np.concatenate([NO_NODES, *self._points.get(name, [])]))
             groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
         return {name: group for name, group in groups.items() if group.kinds}

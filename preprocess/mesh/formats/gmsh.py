@@ -11,34 +11,18 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
-from ..cells import CELL_DIMENSIONS
+from ..cells import CELL_DIMENSIONS, NODES_PER_CELL
 from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
 from .draft import Draft
 from .numbers import BinaryNumbers, Numbers, TextNumbers
 
-# Type of cell and number of nodes, by the number that Gmsh gives to the type.
-_KINDS = {
-    1: ("line", 2),
-    2: ("triangle", 3),
-    3: ("quad", 4),
-    4: ("tetra", 4),
-    5: ("hexahedron", 8),
-    6: ("wedge", 6),
-    7: ("pyramid", 5),
-    8: ("line3", 3),
-    9: ("triangle6", 6),
-    10: ("quad9", 9),
-    11: ("tetra10", 10),
-    12: ("hexahedron27", 27),
-    13: ("wedge18", 18),
-    14: ("pyramid14", 14),
-    15: ("vertex", 1),
-    16: ("quad8", 8),
-    17: ("hexahedron20", 20),
-    18: ("wedge15", 15),
-    19: ("pyramid13", 13),
-}
+# Types of cells, in the order of the numbers that Gmsh gives to them, from 1 on.
+_TYPES = (
+    *("line", "triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid", "line3", "triangle6"),
+    *("quad9", "tetra10", "hexahedron27", "wedge18", "pyramid14", "vertex", "quad8"),
+    *("hexahedron20", "wedge15", "pyramid13"),
+)
 # Where Gmsh has the nodes of a cell, in meshio's order; cells that are not here have them in the
 # same order.
 _EDGES = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]
@@ -71,6 +55,7 @@ def _sections(data: bytes) -> dict[str, memoryview]:
     position, whole = 0, memoryview(data)
     while match := _SECTION.match(data, position):
         name = match[1]
+        # Found, not counted: binary sections may hold any bytes, but not this word by chance.
         end = data.find(b"$End" + name, match.end())
         if end < 0:
             raise MeshError(f"the file breaks off: ${name.decode()} has no $End{name.decode()}")
@@ -133,9 +118,11 @@ def _name(names: dict[tuple[int, int], str], dimension: int, tag: int) -> str:
 
 
 def _kind(number: int) -> tuple[str, int]:
-    if number not in _KINDS:
+    """The type of a cell and its number of nodes."""
+    if not 1 <= number <= len(_TYPES):
         raise MeshError(f"$Elements: unsupported elements of Gmsh's type {number}")
-    return _KINDS[number]
+    kind = _TYPES[number - 1]
+    return kind, NODES_PER_CELL[kind]
 
 
 def _cells(kind: str, nodes: IntArray, numbering: Numbering) -> IntArray:
@@ -166,13 +153,14 @@ def _read2(
     )
     blocks: dict[int, list[IntArray]] = {}
     for number, table in tables:
-        k = _KINDS[number][1]
+        _, k = _kind(number)
         tags = table[:, 1] if table.shape[1] > 1 + k else np.zeros(len(table), dtype=np.int64)
         blocks.setdefault(number, []).append(np.column_stack([np.abs(tags), table[:, -k:]]))
     _finish(numbers, "Elements")
     for number, parts in blocks.items():
-        kind, rows = _KINDS[number][0], np.concatenate(parts)
+        kind, rows = _kind(number)[0], np.concatenate(parts)
         _, first, same = np.unique(rows[:, 1:], axis=0, return_index=True, return_inverse=True)
+        # Elements in several groups are written several times; the body has each once.
         row = np.argsort(np.argsort(first))[same.ravel()]
         draft.add(kind, _cells(kind, rows[np.sort(first), 1:], numbering))
         for tag in np.unique(rows[:, 0]):

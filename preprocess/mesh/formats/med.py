@@ -13,28 +13,29 @@ import numpy as np
 from ....files.hdf5 import decoded, opened, whole
 from ....superelement.validation import Array
 from ...errors import MeshError
+from ..cells import NODES_PER_CELL
 from ..mesh import IntArray
 from .draft import Draft
 
-# Types of cells and numbers of nodes.
+# Types of cells.
 _KINDS = {
-    "PO1": ("vertex", 1),
-    "SE2": ("line", 2),
-    "SE3": ("line3", 3),
-    "TR3": ("triangle", 3),
-    "TR6": ("triangle6", 6),
-    "QU4": ("quad", 4),
-    "QU8": ("quad8", 8),
-    "QU9": ("quad9", 9),
-    "TE4": ("tetra", 4),
-    "T10": ("tetra10", 10),
-    "HE8": ("hexahedron", 8),
-    "H20": ("hexahedron20", 20),
-    "H27": ("hexahedron27", 27),
-    "PE6": ("wedge", 6),
-    "P15": ("wedge15", 15),
-    "PY5": ("pyramid", 5),
-    "P13": ("pyramid13", 13),
+    "PO1": "vertex",
+    "SE2": "line",
+    "SE3": "line3",
+    "TR3": "triangle",
+    "TR6": "triangle6",
+    "QU4": "quad",
+    "QU8": "quad8",
+    "QU9": "quad9",
+    "TE4": "tetra",
+    "T10": "tetra10",
+    "HE8": "hexahedron",
+    "H20": "hexahedron20",
+    "H27": "hexahedron27",
+    "PE6": "wedge",
+    "P15": "wedge15",
+    "PY5": "pyramid",
+    "P13": "pyramid13",
 }
 _EDGES = [11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17]
 # MED numbers solids as seen in a mirror. The corners in meshio's order, and the middles of edges
@@ -70,7 +71,8 @@ def read(path: Path) -> Draft:
     for code, support in cells.items():
         if code not in _KINDS:
             raise MeshError(f"unsupported cells of MED's type {code}")
-        kind, k = _KINDS[code]
+        kind = _KINDS[code]
+        k = NODES_PER_CELL[kind]
         if (
             support.values.shape[1] != k
             or not ((support.values >= 0) & (support.values < len(nodes.values))).all()
@@ -90,6 +92,7 @@ def _contents(file: Any) -> tuple[_Support, dict[str, _Support], dict[str, dict[
     """Nodes, cells by type with their nodes from 0, and the names of the groups of every family."""
     name = _only(file["ENS_MAA"], "mesh")
     mesh = file["ENS_MAA"][name]
+    # Meshes that move have one group for each time step; those of meshio have none.
     step = mesh if "NOE" in mesh else mesh[_only(mesh, "time step")]
     nodes = _support(step["NOE"], "COO", "f")
     if not 1 <= nodes.values.shape[1] <= 3:

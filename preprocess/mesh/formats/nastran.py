@@ -12,14 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import MeshError
+from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES
 from ..numbering import Numbering
 from .draft import Draft, not_in_the_body
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
 
-# Types of cells by the names of elements, and by the number of nodes where both orders have one
-# name.
+# Types of cells by the names of elements; of solids of both orders, which have one name, by the
+# number of nodes.
 _SOLIDS = {
     "CTETRA": {4: "tetra", 10: "tetra10"},
     "CPYRAM": {5: "pyramid", 13: "pyramid13"},
@@ -28,17 +29,17 @@ _SOLIDS = {
     "CHEXA": {8: "hexahedron", 20: "hexahedron20"},
 }
 _PARTS = {
-    "CTRIA3": ("triangle", 3),
-    "CTRIAR": ("triangle", 3),
-    "CTRIA6": ("triangle6", 6),
-    "CQUAD4": ("quad", 4),
-    "CQUADR": ("quad", 4),
-    "CSHEAR": ("quad", 4),
-    "CQUAD8": ("quad8", 8),
-    "CBAR": ("line", 2),
-    "CBEAM": ("line", 2),
-    "CROD": ("line", 2),
-    "CTUBE": ("line", 2),
+    "CTRIA3": "triangle",
+    "CTRIAR": "triangle",
+    "CTRIA6": "triangle6",
+    "CQUAD4": "quad",
+    "CQUADR": "quad",
+    "CSHEAR": "quad",
+    "CQUAD8": "quad8",
+    "CBAR": "line",
+    "CBEAM": "line",
+    "CROD": "line",
+    "CTUBE": "line",
 }
 # Nastran has the middles of the upright edges before those of the top.
 _ORDER = {
@@ -112,6 +113,7 @@ def _add_elements(
         rows = draft.add(kind, nodes[:, _ORDER[kind]] if kind in _ORDER else nodes)
         properties = np.array([number for number, _ in members])
         for number in np.unique(properties).tolist():
+            # Body files may use either: numbers survive where preprocessors drop comments.
             for name in dict.fromkeys(
                 (f"property {number}", names.get(number, f"property {number}"))
             ):
@@ -126,8 +128,10 @@ def _property(card: Card) -> int:
 def _nodes(card: Card) -> tuple[str, list[int]]:
     """The type of cell of an element, and its nodes."""
     if card.name in _PARTS:
-        kind, count = _PARTS[card.name]
+        kind = _PARTS[card.name]
+        count = NODES_PER_CELL[kind]
     else:
+        # Trailing fields may be blank; the last one that is filled tells the order.
         filled = [field for field, text in enumerate(card.fields[2:], 1) if text]
         count, kinds = filled[-1] if filled else 0, _SOLIDS[card.name]
         if count not in kinds:

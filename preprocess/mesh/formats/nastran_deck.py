@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import MeshError
-from .text import files, lines
+from .text import INTEGER_PATTERN, lines
 
-_INTEGER = re.compile(r"[+-]?\d{1,18}")
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")
 _BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
 _END = re.compile(r"\s*ENDDATA\b", re.IGNORECASE)
@@ -37,7 +36,7 @@ class Card:
         text = self.text(field)
         if not text and default is not None:
             return default
-        if not _INTEGER.fullmatch(text):
+        if not INTEGER_PATTERN.fullmatch(text):
             raise MeshError(
                 f"{self.location}: {self.name}: expected an integer in field {field}, found "
                 f"{text!r}"
@@ -77,7 +76,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     A file without BEGIN BULK is bulk data throughout; one with it must have an ENDDATA, else
     `MeshError`.
     """
-    deck = list(lines(path, _included))
+    deck = list(lines(path, nastran_include))
     starts = [i for i, line in enumerate(deck) if _BEGIN.match(line.text)]
     ends = [i for i, line in enumerate(deck) if _END.match(line.text)]
     if starts and not ends:
@@ -90,6 +89,7 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
         name, fields = _fields(text)
         if not name and not any(fields):
             continue
+        # Markers of continuations need not match: cards follow each other in the files of today.
         if not name or name[0] in "+*":
             if card is None:
                 raise MeshError(
@@ -105,11 +105,6 @@ def read_cards(path: Path, names: dict[int, str]) -> Iterator[Card]:
     yield card
 
 
-def files_of(path: Path) -> list[Path]:
-    """A deck and the files that it includes."""
-    return files(path, _included)
-
-
 def _fields(text: str) -> tuple[str, list[str]]:
     """The first field, and the 8 others of a line, or 4 where a star asks for long fields."""
     text = text.partition("$")[0].expandtabs()
@@ -121,7 +116,7 @@ def _fields(text: str) -> tuple[str, list[str]]:
     return first, (items + [""] * count)[:count]
 
 
-def _included(text: str) -> str | None:
+def nastran_include(text: str) -> str | None:
     """The file of `INCLUDE 'file'`."""
     match = _INCLUDE.fullmatch(text)
     return match and match[1]

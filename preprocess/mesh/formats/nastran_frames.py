@@ -39,8 +39,7 @@ class Frame:
             )
         else:
             local = points
-        basic: Array = self.origin + local @ self.axes
-        return basic
+        return np.asarray(self.origin + local @ self.axes)
 
 
 def frame_of(number: int, cards: Mapping[int, Card], inside: tuple[int, ...] = ()) -> Frame:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...errors import MeshError
 from ..mesh import IntArray
+from ..numbering import is_whole
 
 Column = tuple[str, int]
 """A type, "i" (int), "u" (size) or "d" (double), and how many of it stand in a row."""
@@ -92,9 +93,6 @@ Numbers = TextNumbers | BinaryNumbers
 
 
 def _integers(values: Any) -> IntArray:
-    whole = np.abs(values) < 2.0**53
-    whole[whole] = values[whole] % 1.0 == 0.0
-    if not whole.all():
+    if not (whole := is_whole(values)).all():
         raise MeshError(f"expected an integer, found {values[~whole][0]}")
-    integers: IntArray = values.astype(np.int64)
-    return integers
+    return np.asarray(values.astype(np.int64))

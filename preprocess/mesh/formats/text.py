@@ -1,5 +1,6 @@
 """Lines of text files that may include others."""
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +10,8 @@ from ...errors import MeshError
 
 MOST_FILES = 1000  # that may be read for one mesh, each as often as it is included
 MAX_INCLUDE_DEPTH = 20
+INTEGER_PATTERN = re.compile(r"[+-]?\d{1,18}")
+"""An integer of 64 bits; int() would take underscores and blanks too."""
 
 
 class Line(NamedTuple):

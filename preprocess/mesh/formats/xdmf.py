@@ -12,35 +12,35 @@ import numpy as np
 
 from ....superelement.validation import Array
 from ...errors import MeshError
+from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES, IntArray
 from .arrays import mark_values
 from .draft import Draft, Sequence
 from .xdmf_items import DataItems
 
-# Types of cells, their numbers in mixed topologies, and how many nodes they have; nodes are in
-# meshio's order.
+# Types of cells and their numbers in mixed topologies; nodes are in meshio's order.
 _KINDS = {
-    "polyvertex": ("vertex", 1, 1),
-    "polyline": ("line", 2, 2),
-    "triangle": ("triangle", 4, 3),
-    "quadrilateral": ("quad", 5, 4),
-    "tetrahedron": ("tetra", 6, 4),
-    "pyramid": ("pyramid", 7, 5),
-    "wedge": ("wedge", 8, 6),
-    "hexahedron": ("hexahedron", 9, 8),
-    "edge_3": ("line3", 34, 3),
-    "quadrilateral_9": ("quad9", 35, 9),
-    "triangle_6": ("triangle6", 36, 6),
-    "quadrilateral_8": ("quad8", 37, 8),
-    "tetrahedron_10": ("tetra10", 38, 10),
-    "pyramid_13": ("pyramid13", 39, 13),
-    "wedge_15": ("wedge15", 40, 15),
-    "hexahedron_20": ("hexahedron20", 48, 20),
-    "hexahedron_27": ("hexahedron27", 50, 27),
+    "polyvertex": ("vertex", 1),
+    "polyline": ("line", 2),
+    "triangle": ("triangle", 4),
+    "quadrilateral": ("quad", 5),
+    "tetrahedron": ("tetra", 6),
+    "pyramid": ("pyramid", 7),
+    "wedge": ("wedge", 8),
+    "hexahedron": ("hexahedron", 9),
+    "edge_3": ("line3", 34),
+    "quadrilateral_9": ("quad9", 35),
+    "triangle_6": ("triangle6", 36),
+    "quadrilateral_8": ("quad8", 37),
+    "tetrahedron_10": ("tetra10", 38),
+    "pyramid_13": ("pyramid13", 39),
+    "wedge_15": ("wedge15", 40),
+    "hexahedron_20": ("hexahedron20", 48),
+    "hexahedron_27": ("hexahedron27", 50),
 }
 MAX_GRID_DEPTH = 20
 _SHORT = {"quad": "quadrilateral", "tri": "triangle", "tet": "tetrahedron", "hex": "hexahedron"}
-_BY_NUMBER = {number: (kind, k) for kind, number, k in _KINDS.values()}
+_BY_NUMBER = {number: kind for kind, number in _KINDS.values()}
 
 
 def read(path: Path) -> Draft:
@@ -131,7 +131,8 @@ def _add_cells(
     if name == "mixed":
         blocks = _mixed(values.reshape(-1).tolist())
     elif name in _KINDS:
-        kind, _, k = _KINDS[name]
+        kind, _ = _KINDS[name]
+        k = NODES_PER_CELL[kind]
         if values.size % k:
             raise MeshError(
                 f"Topology {name}: expected {k} nodes for each cell, found {values.size} numbers"
@@ -159,7 +160,8 @@ def _mixed(values: list[int]) -> list[tuple[str, IntArray]]:
         number = values[position]
         if number not in _BY_NUMBER:
             raise MeshError(f"Topology: unsupported cells of XDMF's type {number}")
-        kind, k = _BY_NUMBER[number]
+        kind = _BY_NUMBER[number]
+        k = NODES_PER_CELL[kind]
         position += 1
         if kind in ("vertex", "line"):
             if values[position : position + 1] != [k]:

@@ -27,8 +27,7 @@ class DataItems:
         values = self.values(owner)
         if values.dtype.kind not in "iu":
             raise MeshError(f"{owner.tag}: expected integers, found numbers of type {values.dtype}")
-        integers: IntArray = values.astype(np.int64, copy=False)
-        return integers
+        return np.asarray(values.astype(np.int64, copy=False))
 
     def values(self, owner: ElementTree.Element) -> Any:
         """The array of an element in its dimensions; `MeshError` if it is not there as a whole."""
@@ -45,6 +44,7 @@ class DataItems:
             raise MeshError(
                 f"{owner.tag}: the numbers of its DataItem cannot be read: {error}"
             ) from error
+        # HDF5 files of an interrupted run are short without being damaged.
         if not shape or values.size != prod(shape):
             raise MeshError(f"{owner.tag}: expected {shape} numbers, found {values.size}")
         return values.reshape(shape)

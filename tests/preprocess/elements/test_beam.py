@@ -10,7 +10,7 @@ from duhamel.preprocess.body.body import Damping
 from duhamel.preprocess.body.material import Section
 from duhamel.preprocess.elements.beam import beam_matrices
 from duhamel.preprocess.mesh.reading import read_mesh
-from duhamel.preprocess.responses.modal import elastic_modes
+from duhamel.preprocess.responses.modal import elastic_shapes
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
@@ -18,7 +18,7 @@ ALONG_Y, ALONG_Z = [1, 5], [2, 4]
 
 
 def frequencies(structure: Structure) -> np.ndarray:
-    return elastic_modes(structure, Damping()).frequencies
+    return elastic_shapes(structure, Damping())[0].frequencies
 
 
 def plane(structure: Structure, dofs: list[int]) -> tuple[np.ndarray, np.ndarray]:

@@ -17,8 +17,8 @@ from duhamel.preprocess.responses.damping import damping_ratios
 from duhamel.preprocess.responses.krylov import KrylovSpace
 from duhamel.preprocess.responses.lowest import first_square
 from duhamel.preprocess.responses.march import march_kernel
-from duhamel.preprocess.responses.modal import elastic_modes, elastic_shapes
-from duhamel.preprocess.responses.search import krylov_modes
+from duhamel.preprocess.responses.modal import elastic_shapes
+from duhamel.preprocess.responses.search import Request, krylov_modes
 from duhamel.preprocess.solving.gradients import NotConvergedError
 from duhamel.preprocess.solving.solver import Patient, factorized, iterated
 from duhamel.superelement import GeneralizedAlpha, Modes, sample_kernel
@@ -79,7 +79,7 @@ def half_nyquist(h, scheme):
 
 
 def all_modes(structure, damping):
-    modes = elastic_modes(structure, NONE)
+    modes = elastic_shapes(structure, NONE)[0]
     return Modes(modes.omega, damping_ratios(damping, modes.omega), modes.phi)
 
 
@@ -199,7 +199,7 @@ def test_the_stated_error_is_kept_and_true(case, rho_inf, damping, tolerance):
     structure, h = case
     band = half_nyquist(h, GeneralizedAlpha(rho_inf))
     told = []
-    modes, _, stated = krylov_modes(structure, damping, band, tolerance, told.append)
+    modes, _, stated = krylov_modes(Request(structure, damping, band, tolerance, watch=told.append))
     error = band.error(modes, all_modes(structure, damping))
     rounding = 1e-8
     assert error <= stated * 3.0 + rounding
@@ -269,7 +269,7 @@ def test_the_response_to_a_load_within_the_band_is_that_of_the_march(case, rho_i
     structure, h = case
     scheme, steps, tolerance = GeneralizedAlpha(rho_inf), 400, 1e-6
     band = half_nyquist(h, scheme)
-    modes, _, _ = krylov_modes(structure, damping, band, tolerance, lambda text: None)
+    modes, _, _ = krylov_modes(Request(structure, damping, band, tolerance))
     if damping is RATIO:
         g = sample_kernel(all_modes(structure, damping), h, scheme, steps).g
     else:
@@ -308,7 +308,9 @@ def test_a_step_much_finer_than_the_band_takes_few_blocks_more(case, damping):
     truth, blocks = all_modes(structure, damping), []
     for step in (h, fine):
         band, told = Band(step, scheme, 0.25 / h), []
-        modes, _, stated = krylov_modes(structure, damping, band, tolerance, told.append)
+        modes, _, stated = krylov_modes(
+            Request(structure, damping, band, tolerance, watch=told.append)
+        )
         assert band.error(modes, truth) <= stated * 3.0 + 1e-8
         blocks.append(int(told[-1].split()[0]))
     assert blocks[1] <= blocks[0] + 10
@@ -327,7 +329,7 @@ def test_low_frequencies_do_not_drown_in_the_rounding_of_high_ones(beam_body, be
     """
     structure = assemble(beam_body(beam(400)))
     modes, _, stated = krylov_modes(
-        structure, NONE, half_nyquist(1e-6, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
+        Request(structure, NONE, half_nyquist(1e-6, GeneralizedAlpha(0.9)), 1e-6)
     )
     first = (
         4.730040744862704**2
@@ -349,8 +351,8 @@ def test_an_exhausted_space_gives_the_exact_kernel(beam_body, beam):
     """
     structure = assemble(beam_body(beam(3)))
     band = half_nyquist(1e-4, GeneralizedAlpha(0.9))
-    modes, _, error = krylov_modes(structure, NONE, band, 1e-12, lambda text: None)
-    truth = elastic_modes(structure, NONE)
+    modes, _, error = krylov_modes(Request(structure, NONE, band, 1e-12))
+    truth = elastic_shapes(structure, NONE)[0]
     assert error <= 1e-13
     assert len(modes.omega) == 18
     g, expected = (sample_kernel(m, 1e-4, band.scheme, 1000).g for m in (modes, truth))
@@ -380,9 +382,9 @@ def test_shapes_are_the_modes_of_the_whole_mesh(block):
     both methods.
     """
     structure, h = block
-    krylov = krylov_modes(
-        structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
-    )[:2]
+    krylov = krylov_modes(Request(structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6))[
+        :2
+    ]
     identity = structure.M.tocsr() * 0
     identity.setdiag(1.0)
     for modes, shapes in (krylov, elastic_shapes(structure, NONE)):
@@ -436,9 +438,7 @@ def test_a_tolerance_out_of_reach_says_how_far_it_came(block, monkeypatch, short
         r"or use method march"
     )
     with pytest.raises(MethodError, match=message):
-        krylov_modes(
-            structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
-        )
+        krylov_modes(Request(structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6))
 
 
 def test_no_room_for_the_fewest_blocks_is_told(block, monkeypatch):
@@ -448,9 +448,7 @@ def test_no_room_for_the_fewest_blocks_is_told(block, monkeypatch):
     monkeypatch.setattr("duhamel.preprocess.responses.krylov.MAX_KRYLOV_VECTORS", room)
     message = f"2 blocks of {n_c} vectors, the fewest, take more than the {room} vectors that there"
     with pytest.raises(MethodError, match=message):
-        krylov_modes(
-            structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
-        )
+        krylov_modes(Request(structure, NONE, half_nyquist(h, GeneralizedAlpha(0.9)), 1e-6))
 
 
 def test_the_error_holds_an_inexact_first_block(block):
@@ -483,9 +481,7 @@ def test_a_mechanism_is_told(beam_body, beam, section):
     with pytest.raises(
         MeshError, match=r"expected six zero modes, found .*: the body is a mechanism"
     ):
-        krylov_modes(
-            structure, NONE, half_nyquist(1e-4, GeneralizedAlpha(0.9)), 1e-6, lambda text: None
-        )
+        krylov_modes(Request(structure, NONE, half_nyquist(1e-4, GeneralizedAlpha(0.9)), 1e-6))
 
 
 # Without a factor
@@ -501,7 +497,7 @@ def test_thin_bodies_need_no_factor(solid_body, box, size, divisions):
     structure = assemble(body)
     with pytest.raises(NotConvergedError, match="single precision"):
         iterated(structure, 0.1 * first_square(structure), "S", 1e-5)(structure.loads)
-    found, truth = build(body), elastic_modes(structure, NONE)
+    found, truth = build(body), elastic_shapes(structure, NONE)[0]
     assert found.kernel.error <= 1e-5
     frequencies = found.modes.frequencies
     inside = frequencies[frequencies < 400.0]
@@ -520,7 +516,7 @@ def test_the_stated_error_holds_without_a_factor(solid_body, box, h, fields):
     band = half_nyquist(h, GeneralizedAlpha(0.9))
     exact, better = elastic_shapes(structure, NONE)
     modes, shapes, stated = krylov_modes(
-        structure, NONE, band, tolerance, lambda text: None, fields, iterated
+        Request(structure, NONE, band, tolerance, fields, solver=iterated)
     )
     true = band.error(modes, exact)
     if fields:
@@ -568,7 +564,7 @@ def test_the_matrix_of_the_step_is_solved_with_only_where_it_is_far_above_the_ba
         shifts.append(shift)
         return factorized(structure, shift, *others)
 
-    modes, _, stated = krylov_modes(structure, NONE, band, 1e-6, lambda text: None, solver=counted)
+    modes, _, stated = krylov_modes(Request(structure, NONE, band, 1e-6, solver=counted))
     assert len(shifts) == matrices
     truth = all_modes(structure, NONE)
     g, exact = (sample_kernel(m, band.h, band.scheme, 1).g for m in (modes, truth))
@@ -594,9 +590,7 @@ def test_what_quick_solutions_miss_is_corrected_and_stated(block, wrong, toleran
         def quick(self):
             return self._quick
 
-    modes, _, stated = krylov_modes(
-        structure, NONE, band, tolerance, lambda text: None, False, Rough
-    )
+    modes, _, stated = krylov_modes(Request(structure, NONE, band, tolerance, solver=Rough))
     assert stated <= tolerance
     assert band.error(modes, truth) <= stated + 1e-8
     inside = modes.frequencies < band.limit

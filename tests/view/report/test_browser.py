@@ -152,4 +152,5 @@ def test_without_webgl_a_picture_stands_in_place_of_the_animation(page_file):
         assert page.run(READY) == "yes"
         assert "no WebGL" in page.run("document.getElementById('stage').textContent")
         assert page.run("document.getElementById('still').offsetHeight") > 100
+        assert page.run("document.getElementById('bar').offsetHeight") > 100
         assert page.errors == []

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from duhamel import solver, view
 from duhamel.results import Results
-from duhamel.view.report import libraries, page, tables
-from duhamel.view.report.head import verdict
+from duhamel.view.report import libraries, markup, page, tables
+from duhamel.view.report.head import judged
 
 from .conftest import EVIL, MODEL
 
@@ -43,7 +43,7 @@ def parsed(page_file):
 def test_the_parts_that_are_made_are_told_up_to_all_of_them(results, tmp_path):
     told = []
     view.write_report(results, tmp_path / "x.html", on_part=lambda *numbers: told.append(numbers))
-    total = len(results.bodies) + page.LATER
+    total = len(results.bodies) + page.PARTS_BESIDE_BODIES
     assert told == [(n, total) for n in range(1, total + 1)]
 
 
@@ -59,7 +59,7 @@ def test_no_element_names_an_address_outside_the_page(parsed):
 
 
 def test_styles_load_nothing():
-    style = page.ROOM.joinpath("page.css").read_text()
+    style = markup.read("page.css")
     assert "url(" not in style
     assert "@import" not in style
 
@@ -99,7 +99,7 @@ def test_a_passed_limit_stands_at_the_top_with_its_name(results, monkeypatch):
     name = "elastic_rotation:beam.tip"
     checks = type(results.validity)((type(results.validity.checks[0]).of(name, 0.5),))
     monkeypatch.setattr(Results, "validity", property(lambda self: checks))
-    told = verdict(results)
+    told = markup.part("verdict", *judged(results))
     assert 'class="verdict poor"' in told
     assert "beam.tip" in told
     assert "elastic rotation: 0.5 rad (limit &lt; 0.3 rad)" in told
@@ -108,7 +108,9 @@ def test_a_passed_limit_stands_at_the_top_with_its_name(results, monkeypatch):
 def test_a_run_within_all_limits_says_so(results, monkeypatch):
     checks = type(results.validity)((type(results.validity.checks[0]).of("spin:beam", 0.01),))
     monkeypatch.setattr(Results, "validity", property(lambda self: checks))
-    assert "All validity limits respected" in verdict(results)
+    kind, text, warnings = judged(results)
+    assert (kind, warnings) == ("good", [])
+    assert "All validity limits respected" in text
 
 
 def test_the_page_is_not_written_over_the_results(results, run_file, tmp_path):
@@ -171,9 +173,9 @@ def test_a_run_that_recorded_one_number_has_a_page_that_says_what_is_missing(bea
 
 
 def test_a_table_of_many_rows_says_that_it_ends_early():
-    rows = [(str(i),) for i in range(tables.MOST_ROWS + 1)]
+    rows = [(str(i),) for i in range(tables.MAX_TABLE_ROWS + 1)]
     shown = Parsed(tables._limited(("n",), rows)).text
-    assert f"The first {tables.MOST_ROWS} of {tables.MOST_ROWS + 1} rows." in shown
+    assert f"The first {tables.MAX_TABLE_ROWS} of {tables.MAX_TABLE_ROWS + 1} rows." in shown
 
 
 def test_numbers_that_are_none_are_dashes(results):

@@ -9,7 +9,7 @@ import pytest
 from duhamel import solver
 from duhamel.results.motion import BodyMotion, FrameMotion
 from duhamel.superelement.figures import sphere
-from duhamel.view.report.motion import TURN, motion
+from duhamel.view.report.motion import WANTED_TURN, motion
 from duhamel.view.report.plots import drawing, plots
 from duhamel.view.report.scene import _mark, scene
 from duhamel.view.report.simplify import simplified
@@ -142,7 +142,9 @@ def test_marks_that_are_not_seen_can_be_inverted(results, monkeypatch):
 
 def test_marks_move_at_all_instants_where_a_large_body_deforms_at_fewer(results, monkeypatch):
     every = motion(results)
-    monkeypatch.setattr("duhamel.view.report.motion.POINT_FRAMES", 30 * len(every.shapes[1].points))
+    monkeypatch.setattr(
+        "duhamel.view.report.motion.MAX_POINT_INSTANTS", 30 * len(every.shapes[1].points)
+    )
     few = motion(results)
     assert len(few.deforming.times) == 30 < len(few.time) == len(every.time)
     assert few.moving.magnification == every.moving.magnification
@@ -191,7 +193,7 @@ def test_a_fast_wheel_has_more_instants_than_a_slow_one(results):
     spinning = _Spinning(results)
     fast = motion(spinning)
     assert len(fast.time) > 2 * len(slow.time)
-    assert fast.turn < 2 * TURN
+    assert fast.turn < 2 * WANTED_TURN
 
 
 class _Spinning(_Moved):

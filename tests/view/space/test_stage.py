@@ -78,7 +78,7 @@ def test_a_run_without_bodies_cannot_be_drawn():
 
 def test_frames_are_the_same_in_many_batches(monkeypatch):
     whole = of(Stage(Pendulum(), TIMES), "bar")
-    monkeypatch.setattr("duhamel.view.space.stage.AT_ONCE", 40)
+    monkeypatch.setattr("duhamel.view.space.stage.BATCH_POINT_FRAMES", 40)
     stage = Stage(Pendulum(), TIMES)
     assert len(list(stage.batches())) > 1
     np.testing.assert_array_equal(of(stage, "bar"), whole)
