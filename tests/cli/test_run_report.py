@@ -220,6 +220,7 @@ def test_each_contact_is_a_line_and_quantities_of_it_can_be_drawn(runner, tmp_pa
     target = tmp_path / "ball-results.h5"
     assert runner.invoke(app, ["plot", str(target), *names, "contact_state:roof"]).exit_code == 0
     refused = runner.invoke(app, ["plot", str(target), "gap:wall"])
-    assert "gap:wall: no contact or stop 'wall'; there are: floor, roof" in refused.stderr
+    owners = "contact or surface contact or stop"
+    assert f"gap:wall: no {owners} 'wall'; there are: floor, roof" in refused.stderr
     refused = runner.invoke(app, ["plot", str(target), "slip:floor:z"])
     assert "slip:floor:z: expected slip:CONTACT[:t1|t2]" in refused.stderr
