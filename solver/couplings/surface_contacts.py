@@ -23,6 +23,7 @@ from ..schema.paths import FilePath
 from ..schema.values import NO_ARRAY, Name, OptionalDirection, OptionalPoints, Pair, Positive
 from .carried_shape import SHAPE_TYPES, CarriedShape
 from .coupling import GROUND
+from .friction import AnyCoefficient
 from .rigid_facets import read_facets
 
 GEOMETRIES = "smooth", "flat"
@@ -49,7 +50,8 @@ class SurfaceContact(CarriedShape, Entry):
     "ground". shape, axis, radius, hollow, length, points: as of contacts of balls. facets: a file
     of triangles in the axes of the frame [m], as "wall.stl", which act on the side of their
     normals; hollow: from within a closed surface. geometry: how the facets of the second
-    surface are read, "smooth", as arcs between their corners, or "flat". layer [N/m^3]: stiffness
+    surface are read, "smooth", as arcs between their corners, or "flat". friction: a coefficient;
+    what sticks does not move, without a spring. layer [N/m^3]: stiffness
     per area of a layer between the surfaces, for flat against flat. margin [m]: nodes that are
     nearer are candidates of contact in a step, by default within twice their motion in it.
     """
@@ -67,6 +69,7 @@ class SurfaceContact(CarriedShape, Entry):
     points: OptionalPoints = NO_ARRAY
     facets: FilePath | None = None
     geometry: Annotated[str, one_of(GEOMETRIES)] = "smooth"
+    friction: AnyCoefficient | None = None
     layer: Positive | None = None
     margin: Positive | None = None
 
