@@ -163,7 +163,7 @@ def _entry(W: Array, active: Index, law: Array, i: int, k: int) -> float:
     if active[i] == STICKS:
         return float(law[i, 1] * W[i, k])
     one = 1.0 if i == k else 0.0
-    return float(one - by_law(active, law, i, k, W[k], True)  # W is symmetric)
+    return float(one - by_law(active, law, i, k, W[k], True))  # W is symmetric
 
 
 @compiled
