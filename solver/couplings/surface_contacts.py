@@ -23,6 +23,7 @@ from ..schema.paths import FilePath
 from ..schema.values import NO_ARRAY, Name, OptionalDirection, OptionalPoints, Pair, Positive
 from .carried_shape import SHAPE_TYPES, CarriedShape
 from .coupling import GROUND
+from .friction import AnyCoefficient
 from .rigid_facets import read_facets
 
 TARGET_GEOMETRIES = "smooth", "flat"
@@ -68,6 +69,8 @@ class SurfaceContact(CarriedShape, Entry):
         their normals.
     geometry : {"smooth", "flat"}
         How the facets of the second surface are read: as arcs between their corners, or flat.
+    friction : float, Coulomb or Stribeck, optional
+        The coefficient; what sticks does not move, without a spring.
     layer : float, optional [N/m^3]
         Stiffness per area of a layer between the surfaces, for flat against flat.
     margin : float, optional [m]
@@ -95,6 +98,7 @@ class SurfaceContact(CarriedShape, Entry):
     points: OptionalPoints = NO_ARRAY
     facets: FilePath | None = None
     geometry: Annotated[str, one_of(TARGET_GEOMETRIES)] = "smooth"
+    friction: AnyCoefficient | None = None
     layer: Positive | None = None
     margin: Positive | None = None
 

@@ -240,6 +240,15 @@ def _lay_out_contacts(
             other = int(frames.arrays.body[f]) if f >= 0 else layout.patches[t].body
             coordinate[c, 1] = first.get(other, -1)
     supports = np.diff(patches.support_range[patches.row])
+    kinds = [1 if contact.friction is None else 3 for contact in contacts]
+    rows = [len(layout.patches[p].corners) for p in patch]
+    slips = starts((kind - 1) * n for kind, n in zip(kinds, rows, strict=True)) + sum(rows)
+    others = _places_of_others(layout)
+    nodes = np.diff(patches.node)
+    places = [
+        0 if kind == 1 else int(nodes[p]) + (int(nodes[t]) if t >= 0 else 0)
+        for kind, p, t in zip(kinds, patch, layout.target, strict=True)
+    ]
     return SurfaceContacts(
         patch=as_index(patch),
         target=as_index(layout.target),
@@ -266,9 +275,14 @@ def _lay_out_contacts(
         layer=np.array(
             [0.0 if c.layer is None else 1.0 / c.layer for c in contacts], dtype=np.float64
         ),
-        row=starts(len(layout.patches[p].corners) for p in patch),
-        support=starts(supports[patch].tolist()),
-        other=starts(_places_of_others(layout)),
+        row=starts(rows),
+        slip_row=as_index(
+            [-1 if kind == 1 else i for kind, i in zip(kinds, slips[:-1].tolist(), strict=True)]
+        ),
+        friction=as_rows([_friction(contact) for contact in contacts]),
+        start=starts(places)[:-1].copy(),
+        support=starts((supports[patch] * np.array(kinds, dtype=np.int64)).tolist()),
+        other=starts([n for own in others for n in own] + _of_slips(others, kinds)),
         island_range=starts(map(len, layout.islands)),
         island=as_index([c for members in layout.islands for c in members]),
         coordinate=as_index(coordinate).reshape(-1, 2),
@@ -282,18 +296,29 @@ def _lay_out_contacts(
     )
 
 
-def _places_of_others(layout: SurfaceLayout) -> list[int]:
+def _friction(contact: SurfaceContact) -> list[float]:
+    """Static and sliding coefficient, and the speed of slip at which the one becomes the other."""
+    mu = contact.friction
+    return [0.0, 0.0, 1.0] if mu is None else [mu.static, mu.sliding, mu.speed]
+
+
+def _of_slips(others: Sequence[Sequence[int]], kinds: Sequence[int]) -> list[int]:
+    """The same numbers once more for each slip, contact by contact."""
+    return [n for own, kind in zip(others, kinds, strict=True) for n in list(own) * (kind - 1)]
+
+
+def _places_of_others(layout: SurfaceLayout) -> list[list[int]]:
     """The most nodes of the target that each row of each contact can meet."""
     numbers = []
     for p, t in zip(layout.patch, layout.target, strict=True):
         patch = layout.patches[p]
         points = [len(around) * len(patch.rule.weights) for around in patch.around]
         if t < 0:
-            numbers += [0] * len(points)
+            numbers.append([0] * len(points))
         else:
             target = layout.patches[t]
             # Each point is above one facet, but facets share nodes.
-            numbers += [min(n * target.rule.n_nodes, target.surface.n) for n in points]
+            numbers.append([min(n * target.rule.n_nodes, target.surface.n) for n in points])
     return numbers
 
 
@@ -309,7 +334,10 @@ def sizes_of_kept_nodes(surfaces: Surfaces) -> Mapping[str, int]:
 def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
     """The dimensions of the state and the scratch of contacts of surfaces."""
     contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
-    rows = np.diff(contacts.row)
+    with_friction = contacts.slip_row >= 0
+    rows = np.diff(contacts.row) * np.where(with_friction, 3, 1)
+    targets = np.where(contacts.target >= 0, np.diff(patches.node)[contacts.target], 0)
+    places = (np.diff(patches.node)[contacts.patch] + targets)[with_friction]
     members = [
         contacts.island[first:last]
         for first, last in zip(
@@ -323,6 +351,8 @@ def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
         "n_nodes": len(patches.X),
         "n_facets": len(surfaces.facets.nodes),
         "n_contact_rows": int(contacts.row[-1]),
+        "n_all_rows": int(rows.sum()),
+        "n_start_places": int(places.sum()),
         "n_contact_supports": int(contacts.support[-1]),
         "n_others": int(contacts.other[-1]),
         "n_most_points": int(np.diff(patches.point).max(initial=0)),

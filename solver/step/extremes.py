@@ -166,7 +166,8 @@ def _total(state: State) -> float:
     """What should stay constant: energies less the work that was done, springs apart."""
     energies = state.energies
     elastic = energies.modal[0] + energies.convolved[0] + energies.residual[0]
-    return float(energies.kinetic[0] + energies.potential[0] + elastic - energies.work[0])
+    done = energies.work[0] - energies.friction[0]
+    return float(energies.kinetic[0] + energies.potential[0] + elastic - done)
 
 
 @compiled
@@ -188,6 +189,7 @@ def _follow_energies(system: System, state: State, work: Workspace) -> None:
     balance = _total(state) - by_springs - extremes.start[0]
     extremes.balance[0] = max(extremes.balance[0], abs(balance))
     elastic = energies.modal[0] + energies.convolved[0] - energies.damping[0]
+    turned_over += energies.friction[0]
     turned_over += abs(energies.work[0]) + abs(energies.potential[0] - extremes.start[1])
     moved = energies.kinetic[0] + abs(elastic) + turned_over
     extremes.moved[0] = max(extremes.moved[0], moved)

@@ -26,6 +26,7 @@ from .surfaces import (
     finish_surfaces,
     follow_surface_passages,
     keep_modes,
+    keep_places,
 )
 from .system import Inputs, Run, State, System, Workspace
 
@@ -94,6 +95,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     expect_coordinates(system.couplings, system.scheme.h, state, work)
     keep_modes(system, state, work)
     keep_velocities(system, state, work)
+    keep_places(system, state, work)
     await_contacts(system, work)
     start_history(system.elastic, system.scheme, state, work)
     predict_bodies(system.scheme, state, work)

@@ -5,7 +5,7 @@ import math
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .events import end_contact
-from .facing import deformed
+from .facing import deformed, slip_row, support_of
 from .system import Output, State, System, Workspace
 from .vectors import (
     Vector,
@@ -88,6 +88,8 @@ def _add_up(system: System, c: int, state: State, work: Workspace) -> None:
             force, moment = add(force, gradient), add(moment, cross(lever, gradient))
             place = add(place, scale(dot(gradient, normal), lever))
         total += P
+        if contacts.slip_row[c] >= 0:
+            _add_friction(system, c, i, state, work)
         add_to_row(totals.total_force, c, 0, scale(P, rotate(state.bodies.R, b, force)))
         add_to_row(totals.total_moment, c, 0, scale(P, rotate(state.bodies.R, b, moment)))
         add_to_row(totals.center, c, 0, scale(P / dot(normal, normal), place))
@@ -97,6 +99,24 @@ def _add_up(system: System, c: int, state: State, work: Workspace) -> None:
         place = add(row(state.bodies.x, b), rotate(state.bodies.R, b, place))
         for x in range(3):
             totals.center[c, x] = place[x]
+
+
+@compiled
+def _add_friction(system: System, c: int, i: int, state: State, work: Workspace) -> None:
+    """Friction at row i joins the force and the moment of contact c."""
+    surfaces, totals, out = system.surfaces, state.surfaces, work.surfaces
+    contacts, patches, p = surfaces.contacts, surfaces.patches, surfaces.contacts.patch[c]
+    b, local = patches.body[p], i - contacts.row[c] + patches.row[p]
+    for kind in range(1, 3):
+        k, first = slip_row(surfaces, c, i, kind), support_of(surfaces, c, i, kind)
+        T, force, moment = totals.force[k], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        begin = patches.support_range[local]
+        for j in range(begin, patches.support_range[local + 1]):
+            lever = deformed(surfaces, patches.support[j], work)
+            gradient = row(out.gradient, first + j - begin)
+            force, moment = add(force, gradient), add(moment, cross(lever, gradient))
+        add_to_row(totals.total_force, c, 0, scale(T, rotate(state.bodies.R, b, force)))
+        add_to_row(totals.total_moment, c, 0, scale(T, rotate(state.bodies.R, b, moment)))
 
 
 @compiled

@@ -18,17 +18,21 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .complementarity import solve_closed, solve_complementarity
+from .cone import by_law, factorize_law, solve_cone, substitute_law
 from .facing import (
     deformed,
     distance_from_shape,
+    face_slips,
     face_target,
     look_at_target,
     place_nodes,
     set_row_gaps,
+    slip_row,
+    support_of,
     target_axes,
     target_origin,
 )
-from .frames import coordinate, pull_back, width
+from .frames import coordinate, move_frames, pull_back, width
 from .records.surfaces import Surfaces
 from .system import State, System, Workspace
 from .vectors import (
@@ -66,6 +70,46 @@ def keep_modes(system: System, state: State, work: Workspace) -> None:
     """The modal coordinates at the start of a step, from which the work of contacts is counted."""
     if len(system.surfaces.contacts.patch):
         copy(state.modes.eta, work.surfaces.eta_n)
+
+
+@compiled
+def keep_places(system: System, state: State, work: Workspace) -> None:
+    """The nodes of contacts with friction at the start of a step, from where slips are counted."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, patches, modes = surfaces.contacts, surfaces.patches, system.elastic.modes
+    if len(out.start) == 0:
+        return
+    move_frames(system.frames, system.frames.n_acting, state, work)
+    for s in range(len(surfaces.bodies.flexible)):
+        e, first = surfaces.bodies.flexible[s], surfaces.bodies.node[s]
+        begin, end = modes.range[e], modes.range[e + 1]
+        m = end - begin
+        for k in range(first, surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                out.by_load[k, x] = 0.0
+                if out.awake[s]:
+                    out.base[k, x] = state.surfaces.u[k, x]
+                else:
+                    place = surfaces.bodies.phi_start[s] + (3 * (k - first) + x) * m
+                    phi = surfaces.bodies.phi[place : place + m]
+                    out.base[k, x] = inner(phi, state.modes.eta[begin:end])
+    for c in range(len(contacts.patch)):
+        if contacts.slip_row[c] < 0:
+            continue
+        place_nodes(system, c, state, work)
+        z, p, t = contacts.start[c], contacts.patch[c], contacts.target[c]
+        _copy_places(patches.node[p], patches.node[p + 1], z, work)
+        if t >= 0:
+            z += patches.node[p + 1] - patches.node[p]
+            _copy_places(patches.node[t], patches.node[t + 1], z, work)
+
+
+@compiled
+def _copy_places(begin: int, end: int, z: int, work: Workspace) -> None:
+    """Positions of nodes from one to another go to those of the start of the step."""
+    for k in range(begin, end):
+        for x in range(3):
+            work.surfaces.start[z + k - begin, x] = work.surfaces.place[k, x]
 
 
 @compiled
@@ -247,6 +291,9 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
                 if f != 0.0:
                     total += f * (out.by_load[k, x] + _by_interface_load(system, s, k, x, work))
     state.energies.residual[0] = 0.5 * total
+    for i in range(len(out.closed), len(state.surfaces.force)):
+        if state.surfaces.force[i] != 0.0:  # of a slip
+            state.energies.friction[0] -= state.surfaces.force[i] * state.surfaces.gap[i]
 
 
 @entry
@@ -464,12 +511,16 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         # A contact that is not near has no force left from an earlier step.
         elif out.looks[0] == 0:
             for i in range(contacts.row[c], contacts.row[c + 1]):
-                out.closed[i], state.surfaces.force[i] = 0, 0.0
+                _open(surfaces, c, i, state, work)
     n = out.count[m]
+    rubs = False
     for r in range(n):
         _set_gradient(system, m, r, state, work)
         # The rows that were closed before are the guess from which the problem is solved.
-        out.active[r] = out.closed[out.candidate[m, r]]
+        if out.kind[m, r] == 0:
+            out.active[r] = out.closed[out.candidate[m, r]]
+        else:
+            rubs = True
     # New gradients: the same forces of rows are other forces on nodes.
     if looks:
         _load_nodes(system, m, state, work)
@@ -481,18 +532,92 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
             # Placed again, for new forces on nodes displace them.
             place_nodes(system, c, state, work)
             _set_gaps(system, m, c, state, work)
-    count = solve_complementarity(
-        n, out.W[m], out.q, out.active, out.factored[m], out.factor[m], out.order[m], out.lam, out.y
-    )
+    if rubs:
+        count = _solve_with_friction(system, m, state, work)
+    else:
+        count = solve_complementarity(
+            n,
+            out.W[m],
+            out.q,
+            out.active,
+            out.factored[m],
+            out.factor[m],
+            out.order[m],
+            out.lam,
+            out.y,
+        )
     for r in range(n):
         i = out.candidate[m, r]
-        out.closed[i] = out.active[r]
+        if out.kind[m, r] == 0:
+            out.closed[i] = out.active[r + 1] if rubs and _is_rubbed(m, r, work) else out.active[r]
         # No motion goes on from where there is no solution.
         state.surfaces.force[i] = out.lam[r] if count >= 0 else math.nan
         state.surfaces.gap[i] = out.y[r]
     _load_nodes(system, m, state, work)
     _push_bodies(system, m, state, work)
-    _set_stiffness(system, m, max(count, 0), state, work)
+    if rubs:
+        _set_stiffness_with_friction(system, m, max(count, 0), state, work)
+    else:
+        _set_stiffness(system, m, max(count, 0), state, work)
+
+
+@compiled
+def _is_rubbed(m: int, r: int, work: Workspace) -> bool:
+    """Whether the candidate has friction: its slips follow it."""
+    return bool(r + 1 < work.surfaces.count[m] and work.surfaces.kind[m, r + 1] > 0)
+
+
+@compiled
+def _solve_with_friction(system: System, m: int, state: State, work: Workspace) -> int:
+    """Forces and slips of the candidates of island m, from those at hand; see `solve_cone`."""
+    out, contacts, n = work.surfaces, system.surfaces.contacts, work.surfaces.count[m]
+    for r in range(n):
+        c = out.contact[m, r]
+        out.lam[r] = state.surfaces.force[out.candidate[m, r]]
+        out.mu[r, 0] = contacts.friction[c, 0] if out.kind[m, r] == 0 else -1.0
+        out.mu[r, 1] = contacts.friction[c, 1]
+        out.mu[r, 2] = contacts.friction[c, 2] * system.scheme.h
+    return int(
+        solve_cone(
+            n,
+            out.W[m],
+            out.q,
+            out.mu,
+            out.active,
+            out.factor[m],
+            out.order[m],
+            out.pivots,
+            out.lam,
+            out.y,
+            out.law,
+            out.trial,
+        )
+    )
+
+
+@compiled
+def _set_stiffness_with_friction(
+    system: System, m: int, count: int, state: State, work: Workspace
+) -> None:
+    """D^T A^-1 P r D of island m, A = I - P (I - r W), P the derivative of the projection."""
+    contacts, out = system.surfaces.contacts, work.surfaces
+    width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
+    out.factored[m, 0] = -1
+    factorize_law(count, out.W[m], out.active, out.law, out.order[m], out.pivots, out.factor[m])
+    for a in range(count):
+        _set_derivative(system, m, out.order[m, a], out.D[a], state, work)
+    for z in range(width_of_D):
+        for a in range(count):
+            out.trial[out.order[m, a]] = out.D[a, z]
+        for a in range(count):
+            r = out.order[m, a]
+            out.y[a] = -by_law(out.active, out.law, r, r, out.trial, False)
+        substitute_law(count, out.factor[m], out.pivots, out.y)
+        for x in range(width_of_D):
+            total = 0.0
+            for a in range(count):
+                total += out.D[a, x] * out.y[a]
+            out.stiffness[start + x * width_of_D + z] = total
 
 
 @compiled
@@ -515,11 +640,26 @@ def _find_candidates(system: System, m: int, c: int, state: State, work: Workspa
         # Without its force a closed row would penetrate: it stays a candidate while it is covered.
         if gap < margin or (out.closed[i] and not math.isnan(gap)):
             r = out.count[m]
-            out.candidate[m, r], out.contact[m, r] = i, c
+            out.candidate[m, r], out.contact[m, r], out.kind[m, r] = i, c, 0
             out.count[m] = r + 1
             face_target(surfaces, c, i, work)
+            if contacts.slip_row[c] >= 0:
+                for kind in range(1, 3):
+                    out.candidate[m, r + kind] = slip_row(surfaces, c, i, kind)
+                    out.contact[m, r + kind], out.kind[m, r + kind] = c, kind
+                out.count[m] = r + 3
+                face_slips(surfaces, c, i, work)
         else:
-            out.closed[i], state.surfaces.force[i] = 0, 0.0
+            _open(surfaces, c, i, state, work)
+
+
+@compiled
+def _open(surfaces: Surfaces, c: int, i: int, state: State, work: Workspace) -> None:
+    """Row i of contact c is open."""
+    work.surfaces.closed[i], state.surfaces.force[i] = 0, 0.0
+    if surfaces.contacts.slip_row[c] >= 0:
+        for kind in range(1, 3):
+            state.surfaces.force[slip_row(surfaces, c, i, kind)] = 0.0
 
 
 @compiled
@@ -592,10 +732,12 @@ def _supports(surfaces: Surfaces, m: int, r: int, work: Workspace) -> tuple[int,
     """
     contacts, patches = surfaces.contacts, surfaces.patches
     c, i = work.surfaces.contact[m, r], work.surfaces.candidate[m, r]
-    p = contacts.patch[c]
+    p, kind = contacts.patch[c], work.surfaces.kind[m, r]
+    if kind > 0:
+        i -= slip_row(surfaces, c, contacts.row[c], kind) - contacts.row[c]
     local = i - contacts.row[c] + patches.row[p]
     begin, end = patches.support_range[local], patches.support_range[local + 1]
-    return begin, end, contacts.support[c] + begin - patches.support_range[patches.row[p]]
+    return begin, end, support_of(surfaces, c, i, kind)
 
 
 @compiled
@@ -635,6 +777,8 @@ def _set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> 
 @compiled
 def _layer(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
     """The compliance of the layer at row i [m/N]."""
+    if i >= len(work.surfaces.area):
+        return 0.0  # of a slip
     return float(surfaces.contacts.layer[c] / work.surfaces.area[i])
 
 

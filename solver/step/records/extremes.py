@@ -19,6 +19,8 @@ class EnergyState(Struct):
     """energy of the residual flexibility of surfaces in contact"""
     damping: Array = array(1)
     """energy taken by the damping of modes and of the material"""
+    friction: Array = array(1)
+    """energy taken by friction in contacts of surfaces"""
     work: Array = array(1)
     """work of loads, drives and motors"""
     compliance: Array = array("n_j")

@@ -143,9 +143,16 @@ class SurfaceContacts(Struct):
     """compliance of a layer, per area [m^3/N]; 0: none"""
     row: Index = array("n_contacts_1")
     """first row of each contact, among those of all contacts"""
+    slip_row: Index = array("n_contacts")
+    """first row of slips, along the first and then along the second tangents, of each contact with
+    friction; these follow the rows of all contacts; -1: there is no friction"""
+    friction: Array = array("n_contacts", 3)
+    """static and sliding coefficient of friction, and the speed of slip at which it falls"""
+    start: Index = array("n_contacts")
+    """first place of each contact with friction in `SurfaceWork.start`"""
     support: Index = array("n_contacts_1")
     """first support of each contact, among those of all contacts"""
-    other: Index = array("n_contact_rows_1")
+    other: Index = array("n_all_rows_1")
     """first place of each row in the lists of nodes of targets"""
     island_range: Index = array("n_islands_1")
     """first entry of each island in `island`"""
@@ -182,17 +189,17 @@ class Surfaces(Struct):
 class SurfaceState(Struct):
     """What a step takes from the one before about contacts of surfaces."""
 
-    force: Array = array("n_contact_rows")
-    """normal force of each row [N]"""
-    gap: Array = array("n_contact_rows")
-    """weighted gap y of each row [m]; not a number: too far to be known"""
+    force: Array = array("n_all_rows")
+    """normal force of each row, and friction of each slip [N]"""
+    gap: Array = array("n_all_rows")
+    """weighted gap y of each row, and slips in the last step [m]; not a number: not known"""
     load: Array = array("n_nodes", 3)
     """forces on the nodes, in body axes [N]"""
     u: Array = array("n_nodes", 3)
     """elastic displacements of the nodes of bodies near a contact, in body axes [m]"""
     modal_load: Array = array("n_m")
     """loads of contacts on the modes"""
-    normal: Array = array("n_contact_rows", 3)
+    normal: Array = array("n_all_rows", 3)
     """mean normal of each row, in body axes"""
     normal_force: Array = array("n_contacts")
     """sum of the forces of the rows of each contact [N]"""
@@ -229,6 +236,19 @@ class SurfaceWork(Struct):
     """displacements G f of the nodes by the forces of contacts, in body axes [m]"""
     place: Array = array("n_nodes", 3)
     """positions of the nodes of one contact, in the axes of its target [m]"""
+    start: Array = array("n_start_places", 3)
+    """these of contacts with friction at the start of the step, contact by contact: those of the
+    patch, then those of its target [m]"""
+    kind: Index = array("n_islands", "n_most_rows")
+    """0: the candidate is a gap, 1, 2: a slip along the first or second tangent"""
+    mu: Array = array("n_most_rows", 3)
+    """friction of the candidates, see step/cone.py"""
+    law: Array = array("n_most_rows", 6)
+    """their law, see there"""
+    pivots: Index = array("n_most_rows")
+    """pivots of its factors"""
+    trial: Array = array("n_most_rows")
+    """corrections of forces there"""
     facet_place: Array = array("n_facets", 9, 3)
     """positions of the nodes of facets of a target, with middle nodes of smooth ones [m]"""
     facet_normal: Array = array("n_facets", 3)
@@ -264,9 +284,9 @@ class SurfaceWork(Struct):
     facing: Array = array("n_contact_supports", 3)
     """gradient of the gap of a row by the motion of each node around it, in the axes of its
     target"""
-    offset: Array = array("n_contact_rows")
+    offset: Array = array("n_all_rows")
     """gap of a row less the products of gradients and positions [m]"""
-    other_count: Index = array("n_contact_rows")
+    other_count: Index = array("n_all_rows")
     """number of nodes of the target that each row meets"""
     other: Index = array("n_others")
     """these nodes, row by row"""
@@ -277,7 +297,7 @@ class SurfaceWork(Struct):
     gradient: Array = array("n_contact_supports", 3)
     """b, the same gradient in body axes"""
     closed: Index = array("n_contact_rows")
-    """1: the row is closed"""
+    """1: the row is closed; 2: and slips"""
     closed_in_matrix: Index = array("n_contact_rows")
     """1: it was when Newton's matrix was made"""
     count: Index = array("n_islands")

@@ -1,0 +1,227 @@
+"""Coulomb's law at rows of contacts with friction: y = q + W lambda, of gaps and slips.
+
+A row with friction is three: its gap y_n, and its slips s along two tangents in the step.
+
+    0 <= P  _|_  y_n >= 0,    |T| <= mu P,    T = -mu P s/|s| where it slips
+
+as zeros of lambda - proj(lambda - r y), by a semismooth Newton's method. What sticks has s = 0
+exactly. W is symmetric and positive definite; mu may fall with the rate of slip, whose slope is
+left out. Source: P. Alart, A. Curnier: A mixed formulation for frictional contact problems prone to
+Newton like solution methods (1991).
+"""
+
+import math
+
+from ..arrays import Array, Index
+from ..compiler.marks import compiled
+from .vectors import inner
+
+OPEN, STICKS, SLIPS = 0, 1, 2
+ITERATIONS = 60
+HALVINGS = 4
+"""how often a correction that does not help is halved"""
+TOLERANCE = 1e-12
+"""residual over the largest force at which Newton's method has converged"""
+ENOUGH = 1e-8
+"""the same, which serves where it no longer falls"""
+
+
+@compiled
+def solve_cone(
+    n: int,
+    W: Array,
+    q: Array,
+    mu: Array,
+    active: Index,
+    A: Array,
+    order: Index,
+    pivots: Index,
+    lam: Array,
+    y: Array,
+    law: Array,
+    trial: Array,
+) -> int:
+    """Forces lam, a guess at first, and gaps and slips y of n rows; the number of closed rows.
+
+    -1 where there is no solution. mu (n, 3): static and sliding coefficient of each row and the
+    slip in a step at which it falls; of a slip, the second row or the third, it is -1. active (n,):
+    OPEN, STICKS or SLIPS. order: the rows that are not open. law (n, 6): see `_judge`.
+    """
+    residual = _judge(n, W, q, mu, active, lam, y, law)
+    for _ in range(ITERATIONS):
+        largest = 0.0
+        for i in range(n):
+            largest = max(largest, abs(lam[i]))
+        if residual <= TOLERANCE * largest or residual == 0.0:
+            break
+        count = order_rows(n, active, order)
+        if not factorize_law(count, W, active, law, order, pivots, A):
+            return -1
+        for i in range(n):
+            trial[i] = 0.0 if active[i] else -law[i, 0]
+        for a in range(count):
+            i, total = order[a], -law[order[a], 0]
+            for k in range(n):
+                if not active[k] and trial[k] != 0.0:
+                    total -= _entry(W, active, law, i, k) * trial[k]
+            y[a] = total
+        substitute_law(count, A, pivots, y)
+        for a in range(count):
+            trial[order[a]] = y[a]
+        before, part = residual, 1.0
+        for i in range(n):
+            lam[i] += trial[i]
+        residual = _judge(n, W, q, mu, active, lam, y, law)
+        for _halving in range(HALVINGS):
+            if residual <= (1.0 - 0.1 * part) * before:
+                break
+            part *= 0.5
+            for i in range(n):
+                lam[i] -= part * trial[i]
+            residual = _judge(n, W, q, mu, active, lam, y, law)
+        if not residual <= (1.0 - 0.1 * part) * before and residual > ENOUGH * largest:
+            for i in range(n):
+                lam[i] += (1.0 - part) * trial[i]
+            residual = _judge(n, W, q, mu, active, lam, y, law)
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(lam[i]))
+    if not residual <= ENOUGH * largest:
+        return -1
+    for i in range(n):
+        if not active[i]:
+            lam[i] = 0.0
+    return order_rows(n, active, order)
+
+
+@compiled
+def order_rows(n: int, active: Index, order: Index) -> int:
+    count = 0
+    for i in range(n):
+        if active[i]:
+            order[count] = i
+            count += 1
+    return count
+
+
+@compiled
+def _coefficient(mu: Array, i: int, slip: float) -> float:
+    ratio = slip / mu[i, 2]
+    return float(mu[i, 1] + (mu[i, 0] - mu[i, 1]) * math.exp(-ratio * ratio))
+
+
+@compiled
+def _judge(
+    n: int, W: Array, q: Array, mu: Array, active: Index, lam: Array, y: Array, law: Array
+) -> float:
+    """Gaps, status and residuals; the largest residual.
+
+    law: residual of a row, its r, and of slips mu e, e, mu (P - r y_n) / |T - r s| and the
+    row of their gap.
+    """
+    for i in range(n):
+        y[i] = q[i] + inner(W[i, :n], lam[:n])
+    largest = 0.0
+    for i in range(n):
+        if mu[i, 0] < 0.0:
+            continue
+        law[i, 1] = 1.0 / W[i, i]
+        push = lam[i] - law[i, 1] * y[i]
+        active[i] = STICKS if push > 0.0 else OPEN
+        law[i, 0] = lam[i] - max(push, 0.0)
+        largest = max(largest, abs(law[i, 0]))
+        if i + 2 >= n or mu[i + 1, 0] >= 0.0:
+            continue
+        r = min(1.0 / W[i + 1, i + 1], 1.0 / W[i + 2, i + 2])
+        first, second = lam[i + 1] - r * y[i + 1], lam[i + 2] - r * y[i + 2]
+        size = math.sqrt(first * first + second * second)
+        slip = math.sqrt(y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
+        friction = _coefficient(mu, i, slip)
+        limit = friction * max(push, 0.0)
+        status, ratio = active[i], 1.0
+        if status == STICKS and size > limit:
+            status, ratio = SLIPS, limit / size
+        for k in range(i + 1, i + 3):
+            active[k] = status
+            tangential = first if k == i + 1 else second
+            law[k, 1], law[k, 5] = r, i
+            law[k, 3] = tangential / size if size > 0.0 else 0.0
+            law[k, 2] = friction * law[k, 3]
+            law[k, 4] = ratio
+            law[k, 0] = lam[k] - (ratio * tangential if status else 0.0)
+            largest = max(largest, abs(law[k, 0]))
+            if math.isnan(law[k, 0]):
+                largest = math.nan
+        if math.isnan(law[i, 0]):
+            largest = math.nan
+    return largest
+
+
+@compiled
+def _entry(W: Array, active: Index, law: Array, i: int, k: int) -> float:
+    """An entry of I - D (I - r W), D the derivative of the projection, in a row i not open."""
+    if active[i] == STICKS:
+        return float(law[i, 1] * W[i, k])
+    one = 1.0 if i == k else 0.0
+    return float(one - by_law(active, law, i, k, W[k], True))  # W is symmetric
+
+
+@compiled
+def by_law(active: Index, law: Array, i: int, k: int, x: Array, unit: bool) -> float:
+    """Entry i of D (1_k - r x) of a slip that slips; without unit of -D r x, of any row."""
+    if active[i] == STICKS:
+        return float(-law[i, 1] * x[i])
+    # the tangents of one row are neighbors, first and second by their normal row
+    normal = int(law[i, 5])
+    first = normal + 1
+    along, push = 0.0, -law[normal, 1] * x[normal]
+    own = -law[i, 1] * x[i]
+    for t in range(first, first + 2):
+        part = -law[t, 1] * x[t]
+        if unit and t == k:
+            part += 1.0
+        along += law[t, 3] * part
+    if unit and normal == k:
+        push += 1.0
+    if unit and i == k:
+        own += 1.0
+    return float(law[i, 2] * push + law[i, 4] * (own - law[i, 3] * along))
+
+
+@compiled
+def factorize_law(
+    count: int, W: Array, active: Index, law: Array, order: Index, pivots: Index, A: Array
+) -> bool:
+    """LU factors of the closed part of I - D (I - r W); False where it is singular."""
+    for a in range(count):
+        for b in range(count):
+            A[a, b] = _entry(W, active, law, order[a], order[b])
+    for a in range(count):
+        best = a
+        for b in range(a + 1, count):
+            if abs(A[b, a]) > abs(A[best, a]):
+                best = b
+        pivots[a] = best
+        if not abs(A[best, a]) > 0.0:
+            return False
+        if best != a:
+            for b in range(count):
+                A[a, b], A[best, b] = A[best, b], A[a, b]
+        for b in range(a + 1, count):
+            if A[b, a] != 0.0:
+                A[b, a] /= A[a, a]
+                factor = A[b, a]
+                for k in range(a + 1, count):
+                    A[b, k] -= factor * A[a, k]
+    return True
+
+
+@compiled
+def substitute_law(count: int, A: Array, pivots: Index, x: Array) -> None:
+    """x <- A^-1 x"""
+    for a in range(count):
+        x[a], x[pivots[a]] = x[pivots[a]], x[a]
+    for a in range(count):
+        x[a] -= inner(A[a, :a], x[:a])
+    for a in range(count - 1, -1, -1):
+        x[a] = (x[a] - inner(A[a, a + 1 : count], x[a + 1 : count])) / A[a, a]

@@ -1,0 +1,112 @@
+"""Friction of surfaces: Coulomb's law at rows by itself, and blocks that stick and slide."""
+
+import warnings
+from dataclasses import replace
+
+import duhamel as du
+import numpy as np
+import pytest
+import skfem
+from duhamel.solver import FlexibleBody, Model, ModelError, Settings, Start
+from duhamel.solver.couplings.surface_contacts import SurfaceContact
+from duhamel.solver.step.cone import solve_cone
+
+from .pressing import Motion
+
+G, H = 9.81, 4e-5
+SIZE = 0.1, 0.1, 0.06
+PLANE = {"shape": "plane", "axis": [0.0, 0.0, 1.0]}
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.3])
+@pytest.mark.parametrize("seed", range(8))
+def test_forces_obey_coulombs_law(mu, seed):
+    rng = np.random.default_rng(seed)
+    rows = 4
+    n = 3 * rows
+    root = rng.normal(size=(n, n))
+    W, q = root @ root.T + 0.1 * np.eye(n), rng.normal(size=n)
+    q[::3] -= 1.0
+    law = np.tile([[mu, mu, 1.0], [-1.0, mu, 1.0], [-1.0, mu, 1.0]], (rows, 1))
+    lam, y, trial = np.zeros((3, n))
+    active, order, pivots = np.zeros((3, n), dtype=np.int64)
+    scratch = np.zeros((n, n)), order, pivots, lam, y, np.zeros((n, 6)), trial
+    assert solve_cone(n, W, q, law, active, *scratch) == (active > 0).sum()
+    P, T = lam[::3], lam.reshape(-1, 3)[:, 1:]
+    gap, slip = (q + W @ lam)[::3], (q + W @ lam).reshape(-1, 3)[:, 1:]
+    scale = P.max()
+    assert (P >= 0.0).all()
+    assert (gap >= -1e-9).all()
+    assert np.abs(P * gap).max() < 1e-9 * scale
+    size, way = np.linalg.norm(T, axis=1), np.linalg.norm(slip, axis=1)
+    assert (size <= mu * P + 1e-9 * scale).all()
+    # what slips is held by all the friction there is, against its way
+    np.testing.assert_allclose((T * slip).sum(axis=1), -mu * P * way, atol=1e-8 * scale)
+
+
+def soft_block():
+    """A soft block of 0.6 kg, whose modes are damped so that sliding does not flutter."""
+    ends = [np.linspace(-s / 2.0, s / 2.0, n + 1) for s, n in zip(SIZE, (4, 4, 3), strict=True)]
+    part = du.Part(skfem.MeshHex.init_tensor(*ends), du.Material(E=1e8, nu=0.3, rho=1000.0))
+    part.surface("low", du.plane(z=-SIZE[2] / 2.0))
+    with warnings.catch_warnings():
+        # of the few elements in a wave: the block slides as a whole
+        warnings.simplefilter("ignore", du.preprocess.PlausibilityWarning)
+        element = part.superelement(step=H, band=4e3)
+    zeta = np.full(len(element.modes.omega), 0.1)
+    return replace(element, modes=replace(element.modes, zeta=zeta))
+
+
+@pytest.fixture(scope="module")
+def on_incline():
+    element = soft_block()
+
+    def run(degrees, speed, t_end, friction=0.3):
+        angle = np.deg2rad(degrees)
+        start = Start(position=[0.0, 0.0, SIZE[2] / 2.0], velocity=[speed, 0.0, 0.0])
+        model = Model(
+            {"block": FlexibleBody(element, start)},
+            surface_contacts=(
+                SurfaceContact("floor", ["block.low", "ground"], friction=friction, **PLANE),
+            ),
+            settings=Settings(t_end=t_end, step=H, rho_inf=0.9),
+            gravity=G * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
+        )
+        motion, forces = Motion(model), []
+        for _ in range(round(t_end / H)):
+            assert motion.step()
+            forces.append(motion.state.surfaces.total_force[0].copy())
+        return motion, np.array(forces)
+
+    return run
+
+
+@pytest.mark.parametrize("degrees", [18.0, 25.0])
+def test_a_block_slides_down_an_incline(on_incline, degrees):
+    motion, forces = on_incline(degrees, 0.0, 0.06)
+    angle = np.deg2rad(degrees)
+    late = 0.06 * G * (np.sin(angle) - 0.3 * np.cos(angle))
+    assert -forces[-300:, 0].sum() / forces[-300:, 2].sum() == pytest.approx(0.3, rel=1e-4)
+    # the weight comes on in the first steps, and the block rings
+    assert motion.state.bodies.v[0, 0] == pytest.approx(late, abs=1.1e-3)
+    assert motion.state.extremes.balance[0] < 1e-3 * motion.state.extremes.moved[0]
+
+
+def test_a_block_comes_to_rest_on_an_incline(on_incline):
+    motion, _ = on_incline(10.0, 0.15, 0.15)
+    angle = np.deg2rad(10.0)
+    way = 0.15**2 / (2.0 * G * (0.3 * np.cos(angle) - np.sin(angle)))
+    there = motion.state.bodies.x[0, 0]
+    assert there == pytest.approx(way, rel=2e-3)
+    assert motion.step(250)
+    assert motion.state.bodies.x[0, 0] == pytest.approx(there, abs=1e-7)
+
+
+def test_a_coefficient_below_zero_is_refused():
+    with pytest.raises(ModelError, match="friction"):
+        SurfaceContact("floor", ["block.low", "ground"], friction=-0.1, **PLANE)
+
+
+def test_a_spring_of_friction_is_no_key_of_surfaces():
+    with pytest.raises(TypeError, match="tangential_stiffness"):
+        SurfaceContact("floor", ["a.b", "ground"], tangential_stiffness=1.0, **PLANE)
