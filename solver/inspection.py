@@ -28,7 +28,7 @@ from .output.writer import check_output, contents_of, make_writer, rows_of
 from .plausibility import plausibility_warnings
 from .simulation import PreparedRun, integrate
 from .start.damping import DampedMotion, damped_motions, damping_in_words
-from .start.frequencies import vibrations
+from .start.frequencies import vibrations, without_surfaces
 from .start.initial import InitialState, initialize, lower_to_start
 from .step.contacts import penetration_of
 
@@ -174,9 +174,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         contents, rows = contents_of(lowered), rows_of(lowered) - 1
         if path is None:
             check_memory(contents, rows)
-        found, free = vibrations(initial), _free_frequencies(model)
+        vibrating = without_surfaces(initial)
+        found, free = vibrations(vibrating), _free_frequencies(model)
         frequencies = None if found is None else found.frequencies
-        damped = () if found is None else tuple(damped_motions(initial, found))
+        damped = () if found is None else tuple(damped_motions(vibrating, found))
         contacts = *_contacts(initial), *_surface_contacts(initial)
         motors = tuple(_motors(initial))
         fast = tuple(_fast_servos(initial))

@@ -152,7 +152,7 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
 
     The equilibrium is at rest, in the steady rotation of the settings, or in `rotation`, under
     gravity, and under the loads at t = 0 if the model starts in equilibrium. In a model that starts
-    as given, loads and velocities do not count: they begin at t = 0.
+    as given, loads and velocities do not count: they begin at t = 0. Contacts of surfaces are open.
 
     Parameters
     ----------
@@ -192,9 +192,10 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
     >>> linear.state_space(["force:box:x"], ["position:box:x"]).A.shape
     (2, 2)
     """
-    linear = LinearModel(model, rotation)
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
+    # What presses is no small vibration: contacts of surfaces are open here.
+    linear = LinearModel(model.without_surfaces(), rotation)
     with about(model.path):
         # Evaluated now, so that a model that cannot be linearized fails here and not later.
         _ = linear.equations

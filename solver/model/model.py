@@ -153,6 +153,10 @@ class Model(Entry):
         """This mechanism with some of its settings changed."""
         return replace(self, settings=replace(self.settings, **changes))
 
+    def without_surfaces(self) -> "Model":
+        """This mechanism without its contacts of surfaces, as linear analyses take it."""
+        return replace(self, surface_contacts=())
+
     def frames_of(self, body: str) -> Mapping[str, Frame]:
         return self.ground_frames if body == GROUND else self.bodies[body].frames
 

@@ -18,7 +18,14 @@ from ..checkpoint.carried import Snapshot, carried
 from ..laws.law import LAW_KINDS
 from ..laws.maxwell import MaxwellLaw
 from ..step.system import System
-from .frequencies import Vibrations, null_space, spring_slopes, unknowns_of, vibrations
+from .frequencies import (
+    Vibrations,
+    null_space,
+    spring_slopes,
+    unknowns_of,
+    vibrations,
+    without_surfaces,
+)
 from .initial import InitialState
 
 Complex = NDArray[np.complex128]
@@ -57,6 +64,8 @@ def damping_of(initial: InitialState) -> str:
     n = unknowns_of(system)
     if n is None or n > MAX_QUICK_UNKNOWNS or not _is_damped(system):
         return ""
+    if initial.lowered.model.surface_contacts:
+        return damping_of(without_surfaces(initial))
     live = carried(state=state, work=work)
     # Springs are evaluated at other deformations here; the run must start as if nobody had asked.
     before = Snapshot.of(0, live)

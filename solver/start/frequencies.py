@@ -19,7 +19,7 @@ from ..lower.lower import LoweredModel
 from ..step.equations import linearize
 from ..step.system import State, System, Workspace
 from .inertia import inverse_root
-from .initial import InitialState, modes_of
+from .initial import InitialState, initialize, modes_of
 from .jacobian import constraint_rows, coupling_jacobian
 from .matrices import dense_of
 
@@ -54,6 +54,16 @@ def unknowns_of(system: System) -> int | None:
     if not np.diff(modes.range).all():
         return None
     return 6 * len(system.bodies.mass) + len(modes.stiffness)
+
+
+def without_surfaces(initial: InitialState) -> InitialState:
+    """The start of the same model with all contacts of surfaces open.
+
+    Those divide each mode into a part that moves and one that follows its load, which are no
+    vibrations of their own.
+    """
+    model = initial.lowered.model
+    return initialize(model.without_surfaces()) if model.surface_contacts else initial
 
 
 def vibrations(initial: InitialState, largest: int = MAX_FREQUENCY_UNKNOWNS) -> Vibrations | None:
