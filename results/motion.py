@@ -478,7 +478,8 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
 class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_contact", plot="{}"):
     """What happens between two surfaces, or a surface and a shape.
 
-    `pressure`, `gaps` and `displacement` are recorded where the model asks for `nodes`.
+    `pressure`, `gaps` and `displacement` are recorded where the model asks for `nodes`. See
+    `ContactMotion` for an example: `results.contact(name)` has both.
     """
 
     events: Events

@@ -27,6 +27,7 @@ from .couplings.motions import PrescribedDisplacement, PrescribedOrientation, Pr
 from .couplings.motors import Motor
 from .couplings.springs import Spring
 from .couplings.stops import Stop
+from .couplings.surface_contacts import SurfaceContact
 from .errors import (
     ConvergenceError,
     MissedContactError,
@@ -183,6 +184,7 @@ __all__ = [
     "Stribeck",
     "Sum",
     "Surface",
+    "SurfaceContact",
     "Table",
     "TabulatedDamperLaw",
     "TabulatedLaw",

@@ -18,7 +18,7 @@ from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Sur
 from .numbering import NumberedFrames, carrier_name
 from .patches import Patch, lay_out_facets, lay_out_patches, starts
 
-BEYOND = 0.5
+DEPTH_BEYOND = 0.5
 """depth behind a patch, over its radius, at which a point is not below it but beyond it"""
 
 
@@ -262,7 +262,7 @@ def _lay_out_contacts(
         parameters=np.array([x for shape in shapes for x in shape.parameters], dtype=np.float64),
         size=np.array(
             [
-                contact.size if t < 0 else BEYOND * layout.patches[t].radius
+                contact.size if t < 0 else DEPTH_BEYOND * layout.patches[t].radius
                 for contact, t in zip(contacts, layout.target, strict=True)
             ],
             dtype=np.float64,

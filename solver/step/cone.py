@@ -17,12 +17,13 @@ from ..compiler.marks import compiled
 from .vectors import inner
 
 OPEN, STICKS, SLIPS = 0, 1, 2
-ITERATIONS = 60
-HALVINGS = 4
+MAX_ITERATIONS = 60
+"""iterations after which the law counts as unsolvable; a step takes two or three"""
+MAX_HALVINGS = 4
 """how often a correction that does not help is halved"""
-TOLERANCE = 1e-12
+CONVERGED_RESIDUAL = 1e-12
 """residual over the largest force at which Newton's method has converged"""
-ENOUGH = 1e-8
+SUFFICIENT_RESIDUAL = 1e-8
 """the same, which serves where it no longer falls"""
 
 
@@ -48,12 +49,13 @@ def solve_cone(
     OPEN, STICKS or SLIPS. order: the rows that are not open. law (n, 6): see `_judge`.
     """
     residual = _judge(n, W, q, mu, active, lam, y, law)
-    for _ in range(ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(lam[i]))
-        if residual <= TOLERANCE * largest or residual == 0.0:
+        if residual <= CONVERGED_RESIDUAL * largest or residual == 0.0:
             break
+        # Open rows are solved for at once, lambda = 0: only closed ones need the factors.
         count = order_rows(n, active, order)
         if not factorize_law(count, W, active, law, order, pivots, A):
             return -1
@@ -68,26 +70,29 @@ def solve_cone(
         substitute_law(count, A, pivots, y)
         for a in range(count):
             trial[order[a]] = y[a]
+        # At kinks of the law a whole correction may lead from one side to the other and back.
         before, part = residual, 1.0
         for i in range(n):
             lam[i] += trial[i]
         residual = _judge(n, W, q, mu, active, lam, y, law)
-        for _halving in range(HALVINGS):
+        for _halving in range(MAX_HALVINGS):
             if residual <= (1.0 - 0.1 * part) * before:
                 break
             part *= 0.5
             for i in range(n):
                 lam[i] -= part * trial[i]
             residual = _judge(n, W, q, mu, active, lam, y, law)
-        if not residual <= (1.0 - 0.1 * part) * before and residual > ENOUGH * largest:
+        # Where no part of it helps the whole is taken: a set of rows that changes leads on.
+        if not residual <= (1.0 - 0.1 * part) * before and residual > SUFFICIENT_RESIDUAL * largest:
             for i in range(n):
                 lam[i] += (1.0 - part) * trial[i]
             residual = _judge(n, W, q, mu, active, lam, y, law)
     largest = 0.0
     for i in range(n):
         largest = max(largest, abs(lam[i]))
-    if not residual <= ENOUGH * largest:
+    if not residual <= SUFFICIENT_RESIDUAL * largest:
         return -1
+    # Zero to the bit, where the last correction left rounding.
     for i in range(n):
         if not active[i]:
             lam[i] = 0.0
@@ -96,6 +101,7 @@ def solve_cone(
 
 @compiled
 def order_rows(n: int, active: Index, order: Index) -> int:
+    """The rows that are not open, and their number."""
     count = 0
     for i in range(n):
         if active[i]:
@@ -123,15 +129,19 @@ def _judge(
         y[i] = q[i] + inner(W[i, :n], lam[:n])
     largest = 0.0
     for i in range(n):
+        # Slips follow with their gap, whose force is the radius of their disk.
         if mu[i, 0] < 0.0:
             continue
+        # Any r > 0 has the same zeros; that of the row alone makes its own correction exact.
         law[i, 1] = 1.0 / W[i, i]
         push = lam[i] - law[i, 1] * y[i]
         active[i] = STICKS if push > 0.0 else OPEN
         law[i, 0] = lam[i] - max(push, 0.0)
         largest = max(largest, abs(law[i, 0]))
+        # A row without friction stands alone.
         if i + 2 >= n or mu[i + 1, 0] >= 0.0:
             continue
+        # One r for both tangents, or the projection on the disk would not be one.
         r = min(1.0 / W[i + 1, i + 1], 1.0 / W[i + 2, i + 2])
         first, second = lam[i + 1] - r * y[i + 1], lam[i + 2] - r * y[i + 2]
         size = math.sqrt(first * first + second * second)
@@ -150,6 +160,7 @@ def _judge(
             law[k, 4] = ratio
             law[k, 0] = lam[k] - (ratio * tangential if status else 0.0)
             largest = max(largest, abs(law[k, 0]))
+            # Comparisons with what is not a number are false: it is passed on by hand.
             if math.isnan(law[k, 0]):
                 largest = math.nan
         if math.isnan(law[i, 0]):
@@ -160,6 +171,7 @@ def _judge(
 @compiled
 def _entry(W: Array, active: Index, law: Array, i: int, k: int) -> float:
     """An entry of I - D (I - r W), D the derivative of the projection, in a row i not open."""
+    # Where it sticks D is I, and I - (I - r W) = r W.
     if active[i] == STICKS:
         return float(law[i, 1] * W[i, k])
     one = 1.0 if i == k else 0.0
@@ -197,6 +209,7 @@ def factorize_law(
         for b in range(count):
             A[a, b] = _entry(W, active, law, order[a], order[b])
     for a in range(count):
+        # The matrix is not symmetric where rows slip: without exchanges pivots may vanish.
         best = a
         for b in range(a + 1, count):
             if abs(A[b, a]) > abs(A[best, a]):

@@ -22,7 +22,7 @@ COVERED_PART = 1e-2
 """part of the area of a row below which it does not act"""
 MAX_CONDITION = 1e3
 """condition of M, scaled by its diagonal, above which psi is L"""
-ALONG = 0.9
+MAX_COMPONENT = 0.9
 """component of a normal above which tangents are not taken from this axis"""
 FACETS_AROUND = 3.0
 """radii of a facet, beyond the margin, within which it is looked at"""
@@ -359,7 +359,7 @@ def face_slips(surfaces: Surfaces, c: int, i: int, work: Workspace) -> None:
         n = add(n, row(out.facing, j))
     n = scale(1.0 / math.sqrt(dot(n, n)), n)
     # Coulomb's law knows no direction: any pair of tangents serves, and none is carried on.
-    e = (1.0, 0.0, 0.0) if abs(n[0]) < ALONG else (0.0, 1.0, 0.0)
+    e = (1.0, 0.0, 0.0) if abs(n[0]) < MAX_COMPONENT else (0.0, 1.0, 0.0)
     first_tangent = subtract(e, scale(dot(e, n), n))
     size = math.sqrt(dot(first_tangent, first_tangent))
     first_tangent = scale(1.0 / size, first_tangent)

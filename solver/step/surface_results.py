@@ -20,7 +20,7 @@ from .vectors import (
     subtract,
 )
 
-NEGLIGIBLE_RATE = 1e-10
+NEGLIGIBLE_SEPARATION = 1e-10
 """of a rate of separation over the speeds of which it is the difference"""
 
 
@@ -72,6 +72,7 @@ def _add_up(system: System, c: int, state: State, work: Workspace) -> None:
     b = patches.body[p]
     for x in range(3):
         totals.total_force[c, x] = totals.total_moment[c, x] = totals.center[c, x] = 0.0
+    # Summed in space: bodies turn within an event, and sums of body axes would mean nothing.
     total = 0.0
     for i in range(contacts.row[c], contacts.row[c + 1]):
         P = totals.force[i]
@@ -92,6 +93,7 @@ def _add_up(system: System, c: int, state: State, work: Workspace) -> None:
             _add_friction(system, c, i, state, work)
         add_to_row(totals.total_force, c, 0, scale(P, rotate(state.bodies.R, b, force)))
         add_to_row(totals.total_moment, c, 0, scale(P, rotate(state.bodies.R, b, moment)))
+        # Weights of dual functions may be negative: the place of a row is that of its force.
         add_to_row(totals.center, c, 0, scale(P / dot(normal, normal), place))
     totals.normal_force[c] = total
     if total > 0.0:
@@ -133,15 +135,17 @@ def _separation_rate(
     first = _velocity(patches.body[p], place, before, state, work)
     second = _velocity(other, place, before, state, work)
     size = math.sqrt(dot(way, way))
+    # Along the force, for a surface has many normals and its force one direction.
     rate = dot(subtract(first, second), way) / size if size > 0.0 else 0.0
     speeds = math.sqrt(dot(first, first)) + math.sqrt(dot(second, second))
-    return rate if abs(rate) > NEGLIGIBLE_RATE * speeds else 0.0
+    return rate if abs(rate) > NEGLIGIBLE_SEPARATION * speeds else 0.0
 
 
 @compiled
 def _velocity(b: int, place: Vector, before: bool, state: State, work: Workspace) -> Vector:
     if b < 0:
         return 0.0, 0.0, 0.0
+    # A contact closes with the speed before the step, in which its force has already acted.
     v = work.surfaces.v_n if before else state.bodies.v
     omega, R = (v[b, 3], v[b, 4], v[b, 5]), state.bodies.R
     lever = rotate_back(R, b, subtract(place, row(state.bodies.x, b)))
@@ -153,6 +157,7 @@ def record_surfaces(system: System, state: State, work: Workspace, output: Outpu
     """Contacts of surfaces in row k of the output, and where asked for their rows and nodes."""
     contacts, patches = system.surfaces.contacts, system.surfaces.patches
     totals, out = state.surfaces, work.surfaces
+    # Without `nodes` these arrays have no columns.
     wanted = len(output.surface_row_pressure[k]) > 0
     node = 0
     for c in range(len(contacts.patch)):

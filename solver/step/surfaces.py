@@ -323,6 +323,7 @@ def follow_surface_passages(system: System, state: State, work: Workspace) -> No
     for c in range(len(contacts.patch)):
         if not work.surfaces.near[c] or state.contacts.passed[0]:
             continue
+        # Slower surfaces cannot come past the depth within a step without being seen.
         way = h * _closing_speed(system, c, state, work)
         if way > contacts.size[c] and _meets(system, c, way, state, work):
             state.contacts.passed[0] = len(system.couplings.contact) + c + 1
@@ -372,6 +373,7 @@ def _wake(system: System, s: int, state: State, work: Workspace) -> None:
     bodies, modes = system.surfaces.bodies, system.elastic.modes
     if work.surfaces.awake[s]:
         return
+    # In flight nothing of this is computed: a surface that is far costs a distance.
     work.surfaces.awake[s] = 1
     e, first = bodies.flexible[s], bodies.node[s]
     begin, end = modes.range[e], modes.range[e + 1]
@@ -602,6 +604,7 @@ def _set_stiffness_with_friction(
     """D^T A^-1 P r D of island m, A = I - P (I - r W), P the derivative of the projection."""
     contacts, out = system.surfaces.contacts, work.surfaces
     width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
+    # It has the room of Cholesky's factor, which is to be made anew without friction.
     out.factored[m, 0] = -1
     factorize_law(count, out.W[m], out.active, out.law, out.order[m], out.pivots, out.factor[m])
     for a in range(count):
