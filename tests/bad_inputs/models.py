@@ -25,6 +25,10 @@ frames.rim = {position = [0.5, 0, 0]}
 superelement = "beam.h5"
 place = {frame = "root", on = "hub.rim"}
 
+[bodies.pad]
+superelement = "beam.h5"
+position = [0, 0, 5]
+
 [bodies.ball]
 mass = 1.0
 inertia = [0.1, 0.1, 0.1]
@@ -103,9 +107,9 @@ exponent = 1.5
 
 [[contacts]]
 name = "press"
-surfaces = ["beam.flank", "ground.post"]
+surfaces = ["pad.flank", "ground.post"]
 shape = "plane"
-axis = [0, 0, -1]
+axis = [0, 0, 1]
 layer = 1e12
 margin = 1e-3
 

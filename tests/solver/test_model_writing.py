@@ -62,7 +62,15 @@ from duhamel.solver import (
 from duhamel.solver.couplings.motions import PrescribedMotion
 from duhamel.solver.couplings.springs import SPRING_TYPES
 from duhamel.solver.signals import signal as signals
-from duhamel.superelement import Channels, Interface, Pattern, Superelement, write
+from duhamel.superelement import (
+    Channels,
+    Interface,
+    Pattern,
+    Superelement,
+    Surface,
+    Surfaces,
+    write,
+)
 
 from .linkages import n_axes
 
@@ -119,6 +127,25 @@ def frames_used(document, body):
     return {*named, document["bodies"][body].get("place", {}).get("frame", "root")}
 
 
+def surfaces_used(document, bodies):
+    """The surfaces of some bodies that the contacts of a model file name."""
+    places = [place for one in document.get("contacts", []) for place in one.get("surfaces", [])]
+    named = [place.partition(".") for place in places]
+    return sorted({name for body, _, name in named if body in bodies})
+
+
+def surfaces_of(element, names):
+    """One square for each name, whose nodes the modes of an element move at random."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    square = np.arange(4)[None], "quad", np.tile([0.0, 0.0, 1.0], (4, 1)), 1.0
+    patches = [
+        Surface(name, np.arange(4) + 4 * k, corners, *square) for k, name in enumerate(names)
+    ]
+    omega = element.modes.omega
+    phi = np.random.default_rng(0).normal(size=(12 * len(names), len(omega)))
+    return Surfaces(tuple(patches), phi, (phi / omega**2) @ phi.T + 1e-6 * np.eye(len(phi)))
+
+
 @pytest.mark.parametrize("source", MODELS, ids=lambda path: path.stem)
 def test_the_examples_come_back_as_they_were(source, random_element, with_second_order, tmp_path):
     """With superelements of random numbers in the places of theirs."""
@@ -128,11 +155,13 @@ def test_the_examples_come_back_as_they_were(source, random_element, with_second
     path.write_text(source.read_text())
     for record in source.parent.glob("*.csv"):
         (path.parent / record.name).write_text(record.read_text())
-    needed = {}
+    needed, bodies_of = {}, {}
     for body, given in document["bodies"].items():
         if "superelement" in given:
             element = (path.parent / given["superelement"]).resolve()
-            needed.setdefault(element, set()).update(frames_used(document, body))
+            bodies_of.setdefault(element, []).append(body)
+            frames = frames_used(document, body) - {*surfaces_used(document, [body])}
+            needed.setdefault(element, set()).update(frames)
     for number, (element, names) in enumerate(needed.items()):
         made = with_second_order(random_element(number, (True,) * len(names), steps=10))
         named = zip(made.interfaces, sorted(names), strict=True)
@@ -142,6 +171,8 @@ def test_the_examples_come_back_as_they_were(source, random_element, with_second
             phi = np.zeros((len(patterns), len(made.modes.omega)))
             spread = tuple(Pattern(name, np.zeros(3), np.zeros(3)) for name in patterns)
             made = replace(made, channels=Channels(spread, (), phi))
+        if touching := surfaces_used(document, bodies_of[element]):
+            made = replace(made, surfaces=surfaces_of(made, touching))
         element.parent.mkdir(parents=True, exist_ok=True)
         write(element, replace(made, interfaces=interfaces))
     model = read_model(path)

@@ -7,7 +7,7 @@ import duhamel as du
 import numpy as np
 import pytest
 import skfem
-from duhamel.solver import FlexibleBody, Model, ModelError, Settings, Start
+from duhamel.solver import FlexibleBody, Model, ModelError, Settings, Start, simulate
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.step.cone import solve_cone
 
@@ -61,10 +61,10 @@ def soft_block():
 def on_incline():
     element = soft_block()
 
-    def run(degrees, speed, t_end, friction=0.3):
+    def model_of(degrees, speed, t_end, friction=0.3):
         angle = np.deg2rad(degrees)
         start = Start(position=[0.0, 0.0, SIZE[2] / 2.0], velocity=[speed, 0.0, 0.0])
-        model = Model(
+        return Model(
             {"block": FlexibleBody(element, start)},
             surface_contacts=(
                 SurfaceContact("floor", ["block.low", "ground"], friction=friction, **PLANE),
@@ -72,13 +72,26 @@ def on_incline():
             settings=Settings(t_end=t_end, step=H, rho_inf=0.9),
             gravity=G * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
         )
-        motion, forces = Motion(model), []
+
+    def run(degrees, speed, t_end):
+        motion, forces = Motion(model_of(degrees, speed, t_end)), []
         for _ in range(round(t_end / H)):
             assert motion.step()
             forces.append(motion.state.surfaces.total_force[0].copy())
         return motion, np.array(forces)
 
+    run.model_of = model_of
     return run
+
+
+def test_the_energies_of_results_count_what_friction_takes(on_incline):
+    model = on_incline.model_of(0.0, 0.15, 0.04)
+    results = simulate(model, force=True)
+    mass, way = model.bodies["block"].mass, results.body("block").x[-1, 0]
+    # the block rings as its weight comes on, which damping takes as well
+    assert results.energy.dissipated[-1] == pytest.approx(0.3 * mass * G * way, rel=2e-2)
+    moved = 0.5 * mass * 0.15**2
+    assert np.abs(results.energy.balance).max() < 5e-3 * moved
 
 
 @pytest.mark.parametrize("degrees", [18.0, 25.0])
