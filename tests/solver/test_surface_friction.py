@@ -94,6 +94,13 @@ def test_the_energies_of_results_count_what_friction_takes(on_incline):
     assert np.abs(results.energy.balance).max() < 5e-3 * moved
 
 
+def test_a_block_slides_in_short_steps_as_in_others(on_incline):
+    model = on_incline.model_of(0.0, 0.15, 0.02)
+    short = model.with_settings(step=4.0 * H, contact_step=H)
+    ends = [simulate(one, force=True).body("block").v[-1, 0] for one in (model, short)]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+
+
 @pytest.mark.parametrize("degrees", [18.0, 25.0])
 def test_a_block_slides_down_an_incline(on_incline, degrees):
     motion, forces = on_incline(degrees, 0.0, 0.06)
