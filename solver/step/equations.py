@@ -46,10 +46,10 @@ from .second_order import (
     add_second_order_tangent,
     load_second_order,
 )
+from .surface_motion import load_surface_bodies
 from .surfaces import (
     add_surface_scales,
     add_surface_tangents,
-    load_surface_bodies,
     press_surfaces,
 )
 from .system import State, System, Workspace

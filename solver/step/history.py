@@ -17,7 +17,7 @@ from .chains import chain_energy, hold_chains, stretch_chains
 from .records.elastic import Elastic
 from .records.scheme import Scheme
 from .second_order import add_curvatures, hardening_energy
-from .surfaces import load_modes
+from .surface_motion import load_modes
 from .system import State, System, Workspace
 from .vectors import inner
 

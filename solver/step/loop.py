@@ -18,16 +18,10 @@ from .observers import follow_coordinates
 from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
+from .surface_approach import approach_surfaces, follow_surface_passages
+from .surface_motion import finish_surfaces, keep_modes, keep_places
 from .surface_results import add_up_surfaces, keep_velocities
-from .surfaces import (
-    approach_surfaces,
-    are_surfaces_closed,
-    await_contacts,
-    finish_surfaces,
-    follow_surface_passages,
-    keep_modes,
-    keep_places,
-)
+from .surfaces import are_surfaces_closed, await_contacts
 from .system import Inputs, Run, State, System, Workspace
 
 OTHER_SIZE = -1.0

@@ -1,0 +1,249 @@
+"""How the nodes of surfaces move, and what forces on them do to modes and dofs of their bodies.
+
+    u_C = phi eta + T (u - history) + G f
+
+phi eta: free motion of the modes; u: displacements of the active dofs; f: forces of contacts. These
+load the modes by phi^T f and the active dofs as loads T^T f would (records/surfaces.py). Source:
+docs/theory.md, Contact of surfaces.
+"""
+
+from ..arrays import Array
+from ..compiler.marks import compiled
+from ..compiler.memory import copy
+from .facing import (
+    place_nodes,
+)
+from .frames import move_frames
+from .records.surfaces import Surfaces
+from .system import State, System, Workspace
+from .vectors import (
+    Vector,
+    add_to_row,
+    inner,
+    rotate,
+    row,
+)
+
+
+@compiled
+def keep_modes(system: System, state: State, work: Workspace) -> None:
+    """The modal coordinates at the start of a step, from which the work of contacts is counted."""
+    if len(system.surfaces.contacts.patch):
+        copy(state.modes.eta, work.surfaces.eta_n)
+
+
+@compiled
+def keep_places(system: System, state: State, work: Workspace) -> None:
+    """The nodes of contacts with friction at the start of a step, from where slips are counted."""
+    surfaces, out = system.surfaces, work.surfaces
+    contacts, patches, modes = surfaces.contacts, surfaces.patches, system.elastic.modes
+    if len(out.start) == 0:
+        return
+    move_frames(system.frames, system.frames.n_acting, state, work)
+    for s in range(len(surfaces.bodies.flexible)):
+        e, first = surfaces.bodies.flexible[s], surfaces.bodies.node[s]
+        begin, end = modes.range[e], modes.range[e + 1]
+        m = end - begin
+        for k in range(first, surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                out.by_load[k, x] = 0.0
+                if out.awake[s]:
+                    out.base[k, x] = state.surfaces.u[k, x]
+                else:
+                    place = surfaces.bodies.phi_start[s] + (3 * (k - first) + x) * m
+                    phi = surfaces.bodies.phi[place : place + m]
+                    out.base[k, x] = inner(phi, state.modes.eta[begin:end])
+    for c in range(len(contacts.patch)):
+        if contacts.slip_row[c] < 0:
+            continue
+        place_nodes(system, c, state, work)
+        z, p, t = contacts.start[c], contacts.patch[c], contacts.target[c]
+        _copy_places(patches.node[p], patches.node[p + 1], z, work)
+        if t >= 0:
+            z += patches.node[p + 1] - patches.node[p]
+            _copy_places(patches.node[t], patches.node[t + 1], z, work)
+
+
+@compiled
+def _copy_places(begin: int, end: int, z: int, work: Workspace) -> None:
+    """Positions of nodes from one to another go to those of the start of the step."""
+    for k in range(begin, end):
+        for x in range(3):
+            work.surfaces.start[z + k - begin, x] = work.surfaces.place[k, x]
+
+
+@compiled
+def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
+    """Forces of contacts on the rigid motion of the bodies of patches, and on their active dofs."""
+    surfaces, out, elastic = system.surfaces, work.surfaces, system.elastic
+    if len(surfaces.contacts.patch) == 0 or out.looks[0] < 0:
+        return
+    out.interface_load[:] = 0.0
+    for s in range(len(surfaces.bodies.flexible)):
+        if not out.awake[s]:
+            continue
+        b = elastic.body[surfaces.bodies.flexible[s]]
+        # `push` is in body axes; of bodies only the moments are, their forces are in space.
+        force = out.push[s, 0], out.push[s, 1], out.push[s, 2]
+        add_to_row(work.bodies.force, b, 0, rotate(state.bodies.R, b, force))
+        add_to_row(work.bodies.force, b, 3, (out.push[s, 3], out.push[s, 4], out.push[s, 5]))
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+            f = row(state.surfaces.load, k)
+            if f[0] != 0.0 or f[1] != 0.0 or f[2] != 0.0:
+                _add_interface_load(system, s, k, f, work)
+
+
+@compiled
+def load_modes(system: System, state: State, work: Workspace) -> None:
+    """Loads of contacts on the modes, phi^T f, and the displacements of all dofs by them."""
+    surfaces, elastic, scheme = system.surfaces, system.elastic, system.scheme
+    modes, out = elastic.modes, work.surfaces
+    for s in range(len(surfaces.bodies.flexible)):
+        e = surfaces.bodies.flexible[s]
+        begin, end = modes.range[e], modes.range[e + 1]
+        m = end - begin
+        load = state.surfaces.modal_load[begin:end]
+        copy(load, out.modal_load_n[begin:end])
+        load[:] = 0.0
+        out.modal_step[begin:end] = 0.0
+        first, start = surfaces.bodies.node[s], surfaces.bodies.phi_start[s]
+        loaded = False
+        for k in range(first, surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                f = state.surfaces.load[k, x]
+                if f != 0.0:
+                    loaded = True
+                    place = start + (3 * (k - first) + x) * m
+                    phi = surfaces.bodies.phi[place : place + m]
+                    for i in range(m):
+                        load[i] += phi[i] * f
+        if not loaded:
+            continue
+        for i in range(m):
+            work.modes.load[begin + i] += load[i]
+            step = scheme.beta * scheme.h * scheme.h / modes.step_stiffness[begin + i]
+            out.modal_step[begin + i] = step * load[i]
+        for k in range(elastic.dof[e], elastic.dof[e + 1]):
+            place = modes.phi_start[e] + (k - elastic.dof[e]) * m
+            change = inner(modes.phi[place : place + m], out.modal_step[begin:end])
+            state.interfaces.u[k] += change
+
+
+@compiled
+def finish_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Displacements of nodes at the end of a step, and the work of contacts on the modes.
+
+    With the mean load over the step, as of interfaces; and the energy of the residual flexibility,
+    1/2 f . F f.
+    """
+    surfaces, modes, out = system.surfaces, system.elastic.modes, work.surfaces
+    total = 0.0
+    for s in range(len(surfaces.bodies.flexible)):
+        e = surfaces.bodies.flexible[s]
+        for i in range(modes.range[e], modes.range[e + 1]):
+            mean = 0.5 * (state.surfaces.modal_load[i] + out.modal_load_n[i])
+            state.energies.modal[0] += mean * (state.modes.eta[i] - out.eta_n[i])
+            # Displacements by loads contain those of modes, whose energy is counted with the modes.
+            total -= out.modal_step[i] * state.surfaces.modal_load[i]
+        if not out.awake[s]:
+            continue
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
+            for x in range(3):
+                state.surfaces.u[k, x] = out.base[k, x] + out.by_load[k, x]
+                f = state.surfaces.load[k, x]
+                if f != 0.0:
+                    total += f * (out.by_load[k, x] + _by_interface_load(system, s, k, x, work))
+    state.energies.residual[0] = 0.5 * total
+    for i in range(len(out.closed), len(state.surfaces.force)):
+        if state.surfaces.force[i] != 0.0:  # of a slip
+            state.energies.friction[0] -= state.surfaces.force[i] * state.surfaces.gap[i]
+
+
+@compiled
+def wake(system: System, s: int, state: State, work: Workspace) -> None:
+    """Displacements of the nodes of a body by the free motion of its modes, phi eta."""
+    bodies, modes = system.surfaces.bodies, system.elastic.modes
+    if work.surfaces.awake[s]:
+        return
+    # In flight nothing of this is computed: a surface that is far costs a distance.
+    work.surfaces.awake[s] = 1
+    e, first = bodies.flexible[s], bodies.node[s]
+    begin, end = modes.range[e], modes.range[e + 1]
+    m = end - begin
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            place = bodies.phi_start[s] + (3 * (k - first) + x) * m
+            phi = bodies.phi[place : place + m]
+            work.surfaces.free[k, x] = inner(phi, state.modes.eta[begin:end])
+
+
+@compiled
+def set_base(system: System, s: int, state: State, work: Workspace) -> None:
+    """Displacements without forces of contacts: phi eta + T (u - history)."""
+    bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
+    e, first = bodies.flexible[s], bodies.node[s]
+    begin, end = elastic.active_range[e], elastic.active_range[e + 1]
+    n_a = end - begin
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            total, place = out.free[k, x], bodies.T_start[s] + (3 * (k - first) + x) * n_a - begin
+            for i in range(begin, end):
+                z = elastic.active[i]
+                change = state.interfaces.u[z] - work.interfaces.history[z]
+                total += bodies.T[place + i] * change
+            out.base[k, x] = total
+
+
+@compiled
+def set_displacements_by_load(surfaces: Surfaces, s: int, state: State, work: Workspace) -> None:
+    """G f of the nodes of a body."""
+    bodies, out = surfaces.bodies, work.surfaces
+    first, last = bodies.node[s], bodies.node[s + 1]
+    width_of_G = 3 * (last - first)
+    column = out.column[:width_of_G]
+    column[:] = 0.0
+    for k in range(first, last):
+        for x in range(3):
+            f = state.surfaces.load[k, x]
+            if f != 0.0:
+                place = bodies.G_start[s] + (3 * (k - first) + x) * width_of_G
+                G = bodies.G[place : place + width_of_G]  # a row, for G is symmetric
+                for i in range(width_of_G):
+                    column[i] += f * G[i]
+    for k in range(first, last):
+        for x in range(3):
+            out.by_load[k, x] = column[3 * (k - first) + x]
+
+
+@compiled
+def add_by_interfaces(system: System, s: int, k: int, b: Vector, first: int, D: Array) -> None:
+    """D += T^T b of node k of body s, from place `first` on."""
+    bodies, elastic = system.surfaces.bodies, system.elastic
+    e = bodies.flexible[s]
+    n_a = elastic.active_range[e + 1] - elastic.active_range[e]
+    for x in range(3):
+        start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
+        for i in range(n_a):
+            D[first + i] += b[x] * bodies.T[start + i]
+
+
+@compiled
+def _add_interface_load(system: System, s: int, k: int, f: Vector, work: Workspace) -> None:
+    """interface_load += T^T f of node k of body s."""
+    begin = system.elastic.active_range[system.surfaces.bodies.flexible[s]]
+    add_by_interfaces(system, s, k, f, begin, work.surfaces.interface_load)
+
+
+@compiled
+def _by_interface_load(system: System, s: int, k: int, x: int, work: Workspace) -> float:
+    """The displacement T G_JJ T^T f of node k along axis x."""
+    bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
+    e = bodies.flexible[s]
+    begin, n_a = elastic.active_range[e], elastic.active_range[e + 1] - elastic.active_range[e]
+    start = bodies.T_start[s] + (3 * (k - bodies.node[s]) + x) * n_a
+    total = 0.0
+    for i in range(n_a):
+        place = elastic.G_active_start[e] + i * n_a
+        G = elastic.G_active[place : place + n_a]
+        total += bodies.T[start + i] * inner(G, out.interface_load[begin : begin + n_a])
+    return total
