@@ -1,5 +1,6 @@
 """`linearize`: a model as linear equations about an equilibrium, at rest or in steady rotation."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...files.blas import one_blas_thread
-from ..errors import ModelError, about
+from ..errors import ModelError, ValidityWarning, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
 from .equations import Bodies, Equations, equations_of
@@ -194,8 +195,15 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
     """
     if not isinstance(model, Model):
         raise ModelError(f"linearize: expected a Model, got {model!r}")
-    # What presses is no small vibration: contacts of surfaces are open here.
     linear = LinearModel(model.without_surfaces(), rotation)
+    left_out = ", ".join(contact.owner for contact in model.surface_contacts)
+    if left_out:
+        # What closes and opens has no linear equations; that it is missing must not go unsaid.
+        warnings.warn(
+            f"{left_out}: contacts of surfaces are open in linear analyses",
+            ValidityWarning,
+            stacklevel=2,
+        )
     with about(model.path):
         # Evaluated now, so that a model that cannot be linearized fails here and not later.
         _ = linear.equations

@@ -8,16 +8,20 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Constant,
     Fixed,
     FlexibleBody,
     Frame,
     MissedContactError,
     Model,
     ModelError,
+    PatternLoad,
     Revolute,
     RigidBody,
     Settings,
     Start,
+    ValidityWarning,
+    linearize,
     simulate,
 )
 from duhamel.solver.checkpoint.carried import Snapshot, carried
@@ -31,6 +35,7 @@ from duhamel.solver.step.facets import (
 )
 from duhamel.solver.step.frames import move_frames
 from duhamel.solver.step.surfaces import press_surfaces
+from duhamel.superelement import Channels, Pattern
 from scipy.spatial.transform import Rotation
 
 from .pressing import EDGE, Motion, arm, block
@@ -184,8 +189,10 @@ def moved(motion, body, k, change):
 def test_gaps_follow_every_coordinate_as_their_derivatives_say(name):
     """With W dlam = -D dxi at the closed rows, whose planes stay where they are."""
     motion = Motion(derivative_models()[name])
-    while not motion.forces[-1] > 0.0:
+    for _ in range(1000):
         assert motion.step()
+        if motion.forces[-1] > 0.0:
+            break
     system, state, work = motion.system, motion.state, motion.work
     out, contacts = work.surfaces, system.surfaces.contacts
 
@@ -469,6 +476,60 @@ def test_a_contact_that_is_closed_in_equilibrium_is_refused():
     away = replace(contact, axis=[-1.0, 0.0, 0.0], surfaces=["block.top", "ground"])
     with pytest.raises(ModelError, match=r"'floor': closed in equilibrium, 0.004 m deep"):
         Motion(model([away], body=body, **hung))
+
+
+REFUSED = {
+    "rule": (lambda: model(settings={"rule": "paper"}), "excludes rule 'paper'"),
+    "history": (lambda: model(settings={"history": "direct"}), "excludes history 'direct'"),
+    "surface": (
+        lambda: model([replace(FLOOR, surfaces=["block.side", "ground"])]),
+        "no surface 'side' on 'block'; it has: low, top",
+    ),
+    "body": (
+        lambda: model([replace(FLOOR, surfaces=["brick.low", "ground"])]),
+        "no body 'brick'; there are: block",
+    ),
+    "rigid": (
+        lambda: model([ON_BLOCK], others={"other": RigidBody(1.0, np.ones(3))}),
+        "'other' is rigid: expected a flexible body",
+    ),
+    "ground": (
+        lambda: model([SurfaceContact("floor", ["block.low", "ground"])]),
+        "expected shape or facets on 'ground', or BODY.SURFACE, found none",
+    ),
+}
+
+
+@pytest.mark.parametrize(("made", "message"), REFUSED.values(), ids=REFUSED)
+def test_what_surfaces_do_not_do_is_refused_by_name(made, message):
+    with pytest.raises(ModelError, match=message):
+        Motion(made())
+
+
+def test_terms_of_second_order_are_refused_beside_pressed_surfaces(with_second_order):
+    body = falling(with_second_order(block(ends=True)))
+    with pytest.raises(ModelError, match="body 'block': its surfaces are in contact, which excl"):
+        Motion(model(body=body))
+    assert Motion(model(body=replace(body, second_order="off"))).step()
+
+
+def test_load_patterns_are_refused_beside_pressed_surfaces():
+    element = block()
+    wind = Pattern("wind", np.ones(3), np.zeros(3))
+    channels = Channels((wind,), (), np.ones((1, len(element.modes.omega))))
+    body = falling(replace(element, channels=channels))
+    load = PatternLoad("block", "wind", Constant(1.0))
+    with pytest.raises(ModelError, match="'block' has a surface in contact"):
+        Motion(model(body=body, loads=[load]))
+
+
+def test_linear_analyses_leave_surfaces_open_and_say_so():
+    """And list each mode once, which the time loop divides."""
+    given = model(step=LONG)
+    free = replace(given, surface_contacts=())
+    with pytest.warns(ValidityWarning, match="contact 'floor': contacts of surfaces are open"):
+        found = linearize(given).modes(12)
+    np.testing.assert_array_equal(found.frequencies, linearize(free).modes(12).frequencies)
 
 
 # Facets of files
