@@ -26,7 +26,7 @@ from .vectors import (
     subtract,
 )
 
-MAX_PLACES = 10000
+MAX_LOOKS_AHEAD = 10000
 """places of a patch on its way within a step that are looked at"""
 STEPS_OF_APPROACH = 3.0
 """steps ahead in which a patch that may meet its target is followed"""
@@ -65,7 +65,7 @@ def _meets(system: System, c: int, way: float, state: State, work: Workspace) ->
     center = _center(system, system.surfaces.contacts.patch[c], state)
     back = scale(-system.scheme.h, _closing_velocity(system, c, center, state, work))
     s = 0.0
-    for _ in range(MAX_PLACES):
+    for _ in range(MAX_LOOKS_AHEAD):
         gap = _distance(system, c, add(center, scale(s, back)), state, work) - reach
         if gap <= 0.0:
             return True

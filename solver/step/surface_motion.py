@@ -36,23 +36,17 @@ def keep_modes(system: System, state: State, work: Workspace) -> None:
 def keep_places(system: System, state: State, work: Workspace) -> None:
     """The nodes of contacts with friction at the start of a step, from where slips are counted."""
     surfaces, out = system.surfaces, work.surfaces
-    contacts, patches, modes = surfaces.contacts, surfaces.patches, system.elastic.modes
+    contacts, patches = surfaces.contacts, surfaces.patches
     if len(out.start) == 0:
         return
     move_frames(system.frames, system.frames.n_acting, state, work)
     for s in range(len(surfaces.bodies.flexible)):
-        e, first = surfaces.bodies.flexible[s], surfaces.bodies.node[s]
-        begin, end = modes.range[e], modes.range[e + 1]
-        m = end - begin
-        for k in range(first, surfaces.bodies.node[s + 1]):
+        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
             for x in range(3):
                 out.by_load[k, x] = 0.0
-                if out.awake[s]:
-                    out.base[k, x] = state.surfaces.u[k, x]
-                else:
-                    place = surfaces.bodies.phi_start[s] + (3 * (k - first) + x) * m
-                    phi = surfaces.bodies.phi[place : place + m]
-                    out.base[k, x] = inner(phi, state.modes.eta[begin:end])
+                # Nothing presses a body that sleeps: its modes alone move it.
+                u = state.surfaces.u[k, x] if out.awake[s] else _by_modes(system, s, k, x, state)
+                out.base[k, x] = u
     for c in range(len(contacts.patch)):
         if contacts.slip_row[c] < 0:
             continue
@@ -162,19 +156,24 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
 @compiled
 def wake(system: System, s: int, state: State, work: Workspace) -> None:
     """Displacements of the nodes of a body by the free motion of its modes, phi eta."""
-    bodies, modes = system.surfaces.bodies, system.elastic.modes
+    bodies = system.surfaces.bodies
     if work.surfaces.awake[s]:
         return
     # In flight nothing of this is computed: a surface that is far costs a distance.
     work.surfaces.awake[s] = 1
-    e, first = bodies.flexible[s], bodies.node[s]
-    begin, end = modes.range[e], modes.range[e + 1]
-    m = end - begin
-    for k in range(first, bodies.node[s + 1]):
+    for k in range(bodies.node[s], bodies.node[s + 1]):
         for x in range(3):
-            place = bodies.phi_start[s] + (3 * (k - first) + x) * m
-            phi = bodies.phi[place : place + m]
-            work.surfaces.free[k, x] = inner(phi, state.modes.eta[begin:end])
+            work.surfaces.free[k, x] = _by_modes(system, s, k, x, state)
+
+
+@compiled
+def _by_modes(system: System, s: int, k: int, x: int, state: State) -> float:
+    """phi eta of node k of body s along axis x."""
+    bodies, modes = system.surfaces.bodies, system.elastic.modes
+    e = bodies.flexible[s]
+    begin, end = modes.range[e], modes.range[e + 1]
+    place = bodies.phi_start[s] + (3 * (k - bodies.node[s]) + x) * (end - begin)
+    return inner(bodies.phi[place : place + end - begin], state.modes.eta[begin:end])
 
 
 @compiled

@@ -222,10 +222,7 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         state.surfaces.gap[i] = out.y[r]
     load_nodes(system, m, state, work)
     push_bodies(system, m, state, work)
-    if has_friction:
-        _set_stiffness_with_friction(system, m, max(count, 0), state, work)
-    else:
-        _set_stiffness(system, m, max(count, 0), state, work)
+    _set_stiffness(system, m, max(count, 0), has_friction, state, work)
 
 
 @compiled
@@ -260,32 +257,6 @@ def _solve_with_friction(system: System, m: int, state: State, work: Workspace) 
             out.trial,
         )
     )
-
-
-@compiled
-def _set_stiffness_with_friction(
-    system: System, m: int, count: int, state: State, work: Workspace
-) -> None:
-    """D^T A^-1 P r D of island m, A = I - P (I - r W), P the derivative of the projection."""
-    contacts, out = system.surfaces.contacts, work.surfaces
-    width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
-    # It has the room of Cholesky's factor, which is to be made anew without friction.
-    out.factored[m, 0] = -1
-    factorize_law(count, out.W[m], out.active, out.law, out.order[m], out.pivots, out.factor[m])
-    for a in range(count):
-        set_derivative(system, m, out.order[m, a], out.D[a], state, work)
-    for z in range(width_of_D):
-        for a in range(count):
-            out.trial[out.order[m, a]] = out.D[a, z]
-        for a in range(count):
-            r = out.order[m, a]
-            out.y[a] = -by_law(out.active, out.law, r, r, out.trial, False)
-        substitute_law(count, out.factor[m], out.pivots, out.y)
-        for x in range(width_of_D):
-            total = 0.0
-            for a in range(count):
-                total += out.D[a, x] * out.y[a]
-            out.stiffness[start + x * width_of_D + z] = total
 
 
 @compiled
@@ -331,19 +302,42 @@ def _open(surfaces: Surfaces, c: int, i: int, state: State, work: Workspace) -> 
 
 
 @compiled
-def _set_stiffness(system: System, m: int, count: int, state: State, work: Workspace) -> None:
-    """D^T W^-1 D of island m, of its `count` closed rows."""
+def _set_stiffness(
+    system: System, m: int, count: int, has_friction: bool, state: State, work: Workspace
+) -> None:
+    """D^T W^-1 D of island m, of its `count` closed rows; with friction D^T A^-1 P r D.
+
+    A = I - P (I - r W), P: the derivative of the projection on the cone.
+    """
     contacts, out = system.surfaces.contacts, work.surfaces
     width_of_D, start = contacts.coordinates[m], contacts.stiffness_start[m]
     for a in range(count):
         set_derivative(system, m, out.order[m, a], out.D[a], state, work)
-    # W^-1 is applied to one column of D after the other
+    if has_friction:
+        # It has the room of Cholesky's factor, which is to be made anew without friction.
+        out.factored[m, 0] = -1
+        factorize_law(count, out.W[m], out.active, out.law, out.order[m], out.pivots, out.factor[m])
     for z in range(width_of_D):
-        for a in range(count):
-            out.y[a] = out.D[a, z]
-        solve_closed(count, out.factor[m], out.y)
+        _answer(m, count, z, has_friction, work)
         for x in range(width_of_D):
             total = 0.0
             for a in range(count):
                 total += out.D[a, x] * out.y[a]
             out.stiffness[start + x * width_of_D + z] = total
+
+
+@compiled
+def _answer(m: int, count: int, z: int, has_friction: bool, work: Workspace) -> None:
+    """y: less the forces of the closed rows that keep their law as coordinate z moves."""
+    out = work.surfaces
+    if not has_friction:
+        for a in range(count):
+            out.y[a] = out.D[a, z]
+        solve_closed(count, out.factor[m], out.y)
+        return
+    for a in range(count):
+        out.trial[out.order[m, a]] = out.D[a, z]
+    for a in range(count):
+        r = out.order[m, a]
+        out.y[a] = -by_law(out.active, out.law, r, r, out.trial, False)
+    substitute_law(count, out.factor[m], out.pivots, out.y)
