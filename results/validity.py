@@ -296,6 +296,19 @@ _CRITERIA_IN_ORDER = (
         ),
     ),
     Criterion(
+        "set_changes",
+        "model",
+        "energy by closing and opening of rows / total energy",
+        "",
+        1e-2,
+        1e-1,
+        "rows of contacts of surfaces close and open within steps: take a smaller step",
+        measures=(
+            "the work that forces of contacts of surfaces do on gaps which close or open within a "
+            "step, where exact contacts do none, over the energy that moves"
+        ),
+    ),
+    Criterion(
         "contact_arm",
         "contact",
         "distance of the contact force from its frame / body size",

@@ -136,6 +136,7 @@ def surface(
     points: ArrayLike | None = None,
     facets: str | os.PathLike[str] | None = None,
     geometry: Literal["smooth", "flat"] = "smooth",
+    friction: float | Coulomb | Stribeck | None = None,
     layer: float | None = None,
     margin: float | None = None,
     name: str = "",
@@ -160,6 +161,8 @@ def surface(
         Of a file of triangles [m] in the axes of the second frame, as "wall.stl".
     geometry : {"smooth", "flat"}
         How facets that are met are read.
+    friction : float, Coulomb or Stribeck, optional
+        The coefficient of friction; what sticks does not move.
     layer : float [N/m^3]
         The stiffness per area of a layer between both, for flat against flat.
     margin : float [m]
@@ -174,6 +177,7 @@ def surface(
         "points": points,
     }
     given |= {"facets": facets, "layer": layer, "margin": margin}
+    given["friction"] = Coulomb(friction) if isinstance(friction, int | float) else friction
     keys = {key: value for key, value in given.items() if value is not None}
     return SurfaceContact(name, (first, second), hollow=hollow, geometry=geometry, **keys)
 

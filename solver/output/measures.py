@@ -135,6 +135,12 @@ def _numerical(reading: Reading) -> Array:
     return _ratio(np.abs(taken), reading.moved)
 
 
+def _set_changes(reading: Reading) -> Array:
+    if not reading.lowered.model.surface_contacts:
+        return np.empty(0)
+    return _ratio(np.abs(reading.state.energies.switching), reading.moved)
+
+
 def _openings(reading: Reading) -> Array:
     """The largest of the rows of each joint."""
     lowered, subjects = reading.lowered, reading.subjects
@@ -263,6 +269,11 @@ _LIST = (
         "surface_steps",
         lambda s: [contact.name for contact in s.lowered.model.surface_contacts],
         lambda r: r.shortest[len(r.subjects.contacts) :],
+    ),
+    Measure(
+        "set_changes",
+        lambda s: [""] if s.lowered.model.surface_contacts else [],
+        _set_changes,
     ),
     Measure(
         "contact_arm",

@@ -5,9 +5,11 @@ A row with friction is three: its gap y_n, and its slips s along two tangents in
     0 <= P  _|_  y_n >= 0,    |T| <= mu P,    T = -mu P s/|s| where it slips
 
 as zeros of lambda - proj(lambda - r y), by a semismooth Newton's method. What sticks has s = 0
-exactly. W is symmetric and positive definite; mu may fall with the rate of slip, whose slope is
-left out. Source: P. Alart, A. Curnier: A mixed formulation for frictional contact problems prone to
-Newton like solution methods (1991).
+exactly. W is symmetric and positive definite. mu may fall with the rate of slip: it is held while
+Newton's method runs, and taken from the slips that this finds until it no longer changes. Where
+Newton's method goes in circles, as it may for large mu, sweeps of relaxation lead to another start.
+Source: P. Alart, A. Curnier: A mixed formulation for frictional contact problems prone to Newton
+like solution methods (1991).
 """
 
 import math
@@ -18,7 +20,13 @@ from .vectors import inner
 
 OPEN, STICKS, SLIPS = 0, 1, 2
 MAX_ITERATIONS = 60
-"""iterations after which the law counts as unsolvable; a step takes two or three"""
+"""iterations after which Newton's method starts again; a step takes two or three"""
+MAX_STARTS, RELAXATION_SWEEPS = 6, 40
+"""starts after which the law counts as unsolvable, and sweeps of relaxation before each but one"""
+MAX_COEFFICIENTS, WHOLE_CHANGES = 200, 20
+"""how often coefficients follow the slips, and how often by the whole change"""
+SETTLED_COEFFICIENT = 1e-10
+"""change of a coefficient, over its static one, that counts as none"""
 MAX_HALVINGS = 4
 """how often a correction that does not help is halved"""
 CONVERGED_RESIDUAL = 1e-12
@@ -48,6 +56,100 @@ def solve_cone(
     slip in a step at which it falls; of a slip, the second row or the third, it is -1. active (n,):
     OPEN, STICKS or SLIPS. order: the rows that are not open. law (n, 6): see `_judge`.
     """
+    for i in range(n):
+        law[i, 2] = mu[i, 0]
+    for k in range(MAX_COEFFICIENTS):
+        if not _find_forces(n, W, q, mu, active, A, order, pivots, lam, y, law, trial):
+            return -1
+        if not _follow_slips(n, mu, y, law, 1.0 if k < WHOLE_CHANGES else 0.5):
+            # Zero to the bit, where the last correction left rounding.
+            for i in range(n):
+                if not active[i]:
+                    lam[i] = 0.0
+            return order_rows(n, active, order)
+    return -1
+
+
+@compiled
+def _follow_slips(n: int, mu: Array, y: Array, law: Array, part: float) -> bool:
+    """Take the coefficients from the slips; whether any has changed."""
+    changed = False
+    for i in range(n - 2):
+        # Constant ones need no second look, and a row without friction stands alone.
+        if mu[i, 0] < 0.0 or mu[i, 0] == mu[i, 1] or mu[i + 1, 0] >= 0.0:
+            continue
+        slip = math.sqrt(y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
+        ratio = slip / mu[i, 2]
+        friction = mu[i, 1] + (mu[i, 0] - mu[i, 1]) * math.exp(-ratio * ratio)
+        if abs(friction - law[i, 2]) > SETTLED_COEFFICIENT * mu[i, 0]:
+            changed = True
+        # Half changes come to rest where whole ones go back and forth.
+        law[i, 2] += part * (friction - law[i, 2])
+    return changed
+
+
+@compiled
+def _find_forces(
+    n: int,
+    W: Array,
+    q: Array,
+    mu: Array,
+    active: Index,
+    A: Array,
+    order: Index,
+    pivots: Index,
+    lam: Array,
+    y: Array,
+    law: Array,
+    trial: Array,
+) -> bool:
+    """Forces for the coefficients at hand, from those at hand; False where none are found."""
+    for start in range(MAX_STARTS):
+        if start > 0:
+            # Newton's method may have led anywhere.
+            if start == 1:
+                for i in range(n):
+                    lam[i] = 0.0
+            _relax(n, W, q, mu, lam, law)
+        if _run_newton(n, W, q, mu, active, A, order, pivots, lam, y, law, trial):
+            return True
+    return False
+
+
+@compiled
+def _relax(n: int, W: Array, q: Array, mu: Array, lam: Array, law: Array) -> None:
+    """Let each row by itself obey its law, in sweeps over all rows."""
+    for _ in range(RELAXATION_SWEEPS):
+        for i in range(n):
+            if mu[i, 0] < 0.0:
+                continue
+            lam[i] = max(lam[i] - (q[i] + inner(W[i, :n], lam[:n])) / W[i, i], 0.0)
+            if i + 2 >= n or mu[i + 1, 0] >= 0.0:
+                continue
+            r = min(1.0 / W[i + 1, i + 1], 1.0 / W[i + 2, i + 2])
+            first = lam[i + 1] - r * (q[i + 1] + inner(W[i + 1, :n], lam[:n]))
+            second = lam[i + 2] - r * (q[i + 2] + inner(W[i + 2, :n], lam[:n]))
+            size, limit = math.sqrt(first * first + second * second), law[i, 2] * lam[i]
+            part = limit / size if size > limit else 1.0
+            lam[i + 1], lam[i + 2] = part * first, part * second
+
+
+@compiled
+def _run_newton(
+    n: int,
+    W: Array,
+    q: Array,
+    mu: Array,
+    active: Index,
+    A: Array,
+    order: Index,
+    pivots: Index,
+    lam: Array,
+    y: Array,
+    law: Array,
+    trial: Array,
+) -> bool:
+    """The semismooth Newton's method from the forces at hand; False where it does not converge."""
     residual = _judge(n, W, q, mu, active, lam, y, law)
     for _ in range(MAX_ITERATIONS):
         largest = 0.0
@@ -58,7 +160,7 @@ def solve_cone(
         # Open rows are solved for at once, lambda = 0: only closed ones need the factors.
         count = order_rows(n, active, order)
         if not factorize_law(count, W, active, law, order, pivots, A):
-            return -1
+            return False
         for i in range(n):
             trial[i] = 0.0 if active[i] else -law[i, 0]
         for a in range(count):
@@ -90,13 +192,7 @@ def solve_cone(
     largest = 0.0
     for i in range(n):
         largest = max(largest, abs(lam[i]))
-    if not residual <= SUFFICIENT_RESIDUAL * largest:
-        return -1
-    # Zero to the bit, where the last correction left rounding.
-    for i in range(n):
-        if not active[i]:
-            lam[i] = 0.0
-    return order_rows(n, active, order)
+    return bool(residual <= SUFFICIENT_RESIDUAL * largest)
 
 
 @compiled
@@ -111,19 +207,13 @@ def order_rows(n: int, active: Index, order: Index) -> int:
 
 
 @compiled
-def _coefficient(mu: Array, i: int, slip: float) -> float:
-    ratio = slip / mu[i, 2]
-    return float(mu[i, 1] + (mu[i, 0] - mu[i, 1]) * math.exp(-ratio * ratio))
-
-
-@compiled
 def _judge(
     n: int, W: Array, q: Array, mu: Array, active: Index, lam: Array, y: Array, law: Array
 ) -> float:
     """Gaps, status and residuals; the largest residual.
 
-    law: residual of a row, its r, and of slips mu e, e, mu (P - r y_n) / |T - r s| and the
-    row of their gap.
+    law: residual of a row, its r, of a gap mu, and of slips mu e, e, mu (P - r y_n) / |T - r s| and
+    the row of their gap.
     """
     for i in range(n):
         y[i] = q[i] + inner(W[i, :n], lam[:n])
@@ -145,8 +235,7 @@ def _judge(
         r = min(1.0 / W[i + 1, i + 1], 1.0 / W[i + 2, i + 2])
         first, second = lam[i + 1] - r * y[i + 1], lam[i + 2] - r * y[i + 2]
         size = math.sqrt(first * first + second * second)
-        slip = math.sqrt(y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
-        friction = _coefficient(mu, i, slip)
+        friction = law[i, 2]
         limit = friction * max(push, 0.0)
         status, ratio = active[i], 1.0
         if status == STICKS and size > limit:

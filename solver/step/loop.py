@@ -19,7 +19,7 @@ from .passages import follow_passages
 from .patterns import add_pattern_work
 from .record import record
 from .surface_approach import approach_surfaces, follow_surface_passages
-from .surface_motion import finish_surfaces, keep_modes, keep_places
+from .surface_motion import finish_surfaces, keep_places, keep_start
 from .surface_results import add_up_surfaces, keep_velocities
 from .surfaces import are_surfaces_closed, await_contacts
 from .system import Inputs, Run, State, System, Workspace
@@ -87,7 +87,7 @@ def prepare(system: System, state: State, work: Workspace) -> None:
     copy(state.couplings.lam, work.couplings.lam_n)
     keep_status(system.couplings, work)
     expect_coordinates(system.couplings, system.scheme.h, state, work)
-    keep_modes(system, state, work)
+    keep_start(system, state, work)
     keep_velocities(system, state, work)
     keep_places(system, state, work)
     await_contacts(system, work)

@@ -7,6 +7,8 @@ load the modes by phi^T f and the active dofs as loads T^T f would (records/surf
 docs/theory.md, Contact of surfaces.
 """
 
+import math
+
 from ..arrays import Array
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
@@ -26,10 +28,13 @@ from .vectors import (
 
 
 @compiled
-def keep_modes(system: System, state: State, work: Workspace) -> None:
-    """The modal coordinates at the start of a step, from which the work of contacts is counted."""
-    if len(system.surfaces.contacts.patch):
+def keep_start(system: System, state: State, work: Workspace) -> None:
+    """Modal coordinates, forces and gaps at the start of a step, from which works are counted."""
+    n = len(work.surfaces.closed)
+    if n:
         copy(state.modes.eta, work.surfaces.eta_n)
+        copy(state.surfaces.force, work.surfaces.force_n)
+        copy(state.surfaces.gap[:n], work.surfaces.gap_n)
 
 
 @compiled
@@ -128,10 +133,10 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
     """Displacements of nodes at the end of a step, and the work of contacts on the modes.
 
     With the mean load over the step, as of interfaces; and the energy of the residual flexibility,
-    1/2 f . F f.
+    1/2 f . F f, and of layers, 1/2 P^2 layer / A.
     """
     surfaces, modes, out = system.surfaces, system.elastic.modes, work.surfaces
-    total = 0.0
+    total = _count_work_of_rows(surfaces, state, work)
     for s in range(len(surfaces.bodies.flexible)):
         e = surfaces.bodies.flexible[s]
         for i in range(modes.range[e], modes.range[e + 1]):
@@ -150,7 +155,40 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
     state.energies.residual[0] = 0.5 * total
     for i in range(len(out.closed), len(state.surfaces.force)):
         if state.surfaces.force[i] != 0.0:  # of a slip
-            state.energies.friction[0] -= state.surfaces.force[i] * state.surfaces.gap[i]
+            force, slip = state.surfaces.force[i], state.surfaces.gap[i]
+            state.energies.friction[0] -= force * slip
+            # Time stepping moves by the mean force of the step.
+            state.energies.switching[0] += 0.5 * (out.force_n[i] - force) * slip
+
+
+@compiled
+def _count_work_of_rows(surfaces: Surfaces, state: State, work: Workspace) -> float:
+    """Count the work of normal forces on gaps; twice the energy of layers.
+
+    Exact contacts do none: a row that is closed has no way, an open one no force. Where one closes
+    or opens within a step, the mean force of the step moves its gap, as time stepping alone does.
+    """
+    contacts, out, twice = surfaces.contacts, work.surfaces, 0.0
+    for c in range(len(contacts.patch)):
+        for i in range(contacts.row[c], contacts.row[c + 1]):
+            force = state.surfaces.force[i]
+            if force == 0.0 and out.force_n[i] == 0.0:
+                continue
+            way = state.surfaces.gap[i] - out.gap_n[i]
+            # Of a row that was or is not covered no way is known.
+            if not math.isnan(way):
+                state.energies.switching[0] += 0.5 * (force + out.force_n[i]) * way
+            if force > 0.0:
+                twice += force * force * layer_compliance(surfaces, c, i, work)
+    return twice
+
+
+@compiled
+def layer_compliance(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
+    """The compliance of the layer at row i of contact c [m/N]."""
+    if i >= len(work.surfaces.area):
+        return 0.0  # of a slip
+    return float(surfaces.contacts.layer[c] / work.surfaces.area[i])
 
 
 @compiled

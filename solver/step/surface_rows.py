@@ -19,7 +19,7 @@ from .facing import (
 )
 from .frames import coordinate, pull_back, width
 from .records.surfaces import Surfaces
-from .surface_motion import add_by_interfaces, set_displacements_by_load
+from .surface_motion import add_by_interfaces, layer_compliance, set_displacements_by_load
 from .system import State, System, Workspace
 from .vectors import (
     Vector,
@@ -101,15 +101,7 @@ def set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> N
         for o in range(out.count[m]):
             total -= out.W[m, r, o] * state.surfaces.force[out.candidate[m, o]]
         # that of a layer is no displacement of the nodes
-        out.q[r] = total + _layer(surfaces, c, i, work) * state.surfaces.force[i]
-
-
-@compiled
-def _layer(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
-    """The compliance of the layer at row i [m/N]."""
-    if i >= len(work.surfaces.area):
-        return 0.0  # of a slip
-    return float(surfaces.contacts.layer[c] / work.surfaces.area[i])
+        out.q[r] = total + layer_compliance(surfaces, c, i, work) * state.surfaces.force[i]
 
 
 @compiled
@@ -168,7 +160,7 @@ def set_compliances(surfaces: Surfaces, m: int, work: Workspace) -> None:
                 for x in range(3):
                     out.W_other_gradient[j, x] = b[x]
             _add_column(surfaces, m, r, s, work)
-        out.W[m, r, r] += _layer(surfaces, c, i, work)
+        out.W[m, r, r] += layer_compliance(surfaces, c, i, work)
         out.W_row[m, r] = i
     for r in range(n):
         for o in range(r):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import skfem
 from duhamel.solver import FlexibleBody, Model, ModelError, Settings, Start, simulate
+from duhamel.solver.couplings.friction import Stribeck
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.step.cone import solve_cone
 
@@ -18,16 +19,18 @@ SIZE = 0.1, 0.1, 0.06
 PLANE = {"shape": "plane", "axis": [0.0, 0.0, 1.0]}
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.3])
+@pytest.mark.parametrize("static", [1.0, 1.6])
+@pytest.mark.parametrize("sliding", [0.05, 0.3, 1.0])
 @pytest.mark.parametrize("seed", range(8))
-def test_forces_obey_coulombs_law(mu, seed):
+def test_forces_obey_coulombs_law(static, sliding, seed):
+    """Also where the coefficient falls with the slip, and where it is large."""
     rng = np.random.default_rng(seed)
     rows = 4
     n = 3 * rows
     root = rng.normal(size=(n, n))
     W, q = root @ root.T + 0.1 * np.eye(n), rng.normal(size=n)
     q[::3] -= 1.0
-    law = np.tile([[mu, mu, 1.0], [-1.0, mu, 1.0], [-1.0, mu, 1.0]], (rows, 1))
+    law = np.tile([[static * sliding, sliding, 0.3], *2 * [[-1.0, sliding, 0.3]]], (rows, 1))
     lam, y, trial = np.zeros((3, n))
     active, order, pivots = np.zeros((3, n), dtype=np.int64)
     scratch = np.zeros((n, n)), order, pivots, lam, y, np.zeros((n, 6)), trial
@@ -38,6 +41,7 @@ def test_forces_obey_coulombs_law(mu, seed):
     assert (P >= 0.0).all()
     assert (gap >= -1e-9).all()
     assert np.abs(P * gap).max() < 1e-9 * scale
+    mu = sliding * (1.0 + (static - 1.0) * np.exp(-((np.linalg.norm(slip, axis=1) / 0.3) ** 2)))
     size, way = np.linalg.norm(T, axis=1), np.linalg.norm(slip, axis=1)
     assert (size <= mu * P + 1e-9 * scale).all()
     # what slips is held by all the friction there is, against its way
@@ -73,8 +77,8 @@ def on_incline():
             gravity=G * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
         )
 
-    def run(degrees, speed, t_end):
-        motion, forces = Motion(model_of(degrees, speed, t_end)), []
+    def run(degrees, speed, t_end, friction=0.3):
+        motion, forces = Motion(model_of(degrees, speed, t_end, friction)), []
         for _ in range(round(t_end / H)):
             assert motion.step()
             forces.append(motion.state.surfaces.total_force[0].copy())
@@ -120,6 +124,21 @@ def test_a_block_comes_to_rest_on_an_incline(on_incline):
     assert there == pytest.approx(way, rel=2e-3)
     assert motion.step(250)
     assert motion.state.bodies.x[0, 0] == pytest.approx(there, abs=1e-7)
+
+
+def test_a_block_starts_to_slide_where_its_coefficient_falls_at_once(on_incline):
+    """From rest, steeper than sticks: the coefficient falls to the sliding one within a step."""
+    motion, forces = on_incline(28.8, 0.0, 0.06, Stribeck(0.5, 0.3, 1e-3))
+    angle = np.deg2rad(28.8)
+    late = 0.06 * G * (np.sin(angle) - 0.3 * np.cos(angle))
+    assert -forces[-300:, 0].sum() / forces[-300:, 2].sum() == pytest.approx(0.3, rel=1e-3)
+    assert motion.state.bodies.v[0, 0] == pytest.approx(late, rel=0.03)
+
+
+def test_python_gives_a_coefficient():
+    contact = du.contacts.surface("a.low", "b.top", friction=0.3)
+    assert contact.friction.static == contact.friction.sliding == 0.3
+    assert du.contacts.surface("a.low", "b.top").friction is None
 
 
 def test_a_coefficient_below_zero_is_refused():

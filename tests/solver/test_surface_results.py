@@ -253,3 +253,23 @@ def test_fields_of_modes_are_refused_where_contacts_press():
     assert "surfaces are in contact" in results.outline_remark("dome")
     with pytest.raises(ExportError, match="its surfaces are in contact"):
         load_set(results, "dome", "worst")
+
+
+def test_energy_of_rows_that_close_and_open_is_counted(element):
+    """The balance is of second order in the step, though rows close in the middle of steps."""
+    balances, changes = [], []
+    for h in (4.0 * STEP, 2.0 * STEP):
+        run = drop(element).simulate(6e-5, h)
+        energy = run.results.energy
+        balances.append(np.abs(energy.balance).max() / energy.kinetic[0])
+        changes.append(run.validity.values("set_changes")[""])
+    assert balances[0] < 1e-3
+    assert balances[1] < 0.5 * balances[0]
+    # What the balance would have missed, of first order.
+    assert changes[0] > 5.0 * balances[0]
+
+
+def test_the_energy_of_a_layer_is_stored(element):
+    run = drop(element, layer=1e14).simulate(6e-5, STEP)
+    energy = run.results.energy
+    assert np.abs(energy.balance).max() < 1e-4 * energy.kinetic[0]

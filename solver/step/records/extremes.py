@@ -21,6 +21,8 @@ class EnergyState(Struct):
     """energy taken by the damping of modes and of the material"""
     friction: Array = array(1)
     """energy taken by friction in contacts of surfaces"""
+    switching: Array = array(1)
+    """work of contacts of surfaces on gaps that close or open within a step, which is an error"""
     work: Array = array(1)
     """work of loads, drives and motors"""
     compliance: Array = array("n_j")

@@ -224,6 +224,10 @@ class SurfaceWork(Struct):
     """velocities of bodies at the start of the step, as in `BodyState.v`"""
     eta_n: Array = array("n_m")
     """modal coordinates at the start of the step"""
+    force_n: Array = array("n_all_rows")
+    """`SurfaceState.force` at the start of the step [N]"""
+    gap_n: Array = array("n_contact_rows")
+    """their gaps there [m]"""
     modal_load_n: Array = array("n_m")
     """loads of contacts on the modes at the start of the step"""
     modal_step: Array = array("n_m")
