@@ -23,8 +23,8 @@ MAX_ITERATIONS = 60
 """iterations after which Newton's method starts again; a step takes two or three"""
 MAX_STARTS, RELAXATION_SWEEPS = 6, 40
 """starts after which the law counts as unsolvable, and sweeps of relaxation before each but one"""
-MAX_COEFFICIENTS, WHOLE_CHANGES = 200, 20
-"""how often coefficients follow the slips, and how often by the whole change"""
+MAX_COEFFICIENTS = 300
+"""how often coefficients follow the slips"""
 SETTLED_COEFFICIENT = 1e-10
 """change of a coefficient, over its static one, that counts as none"""
 MAX_HALVINGS = 4
@@ -58,10 +58,10 @@ def solve_cone(
     """
     for i in range(n):
         law[i, 2] = mu[i, 0]
-    for k in range(MAX_COEFFICIENTS):
+    for _ in range(MAX_COEFFICIENTS):
         if not _find_forces(n, W, q, mu, active, A, order, pivots, lam, y, law, trial):
             return -1
-        if not _follow_slips(n, mu, y, law, 1.0 if k < WHOLE_CHANGES else 0.5):
+        if not _follow_slips(n, mu, y, law):
             # Zero to the bit, where the last correction left rounding.
             for i in range(n):
                 if not active[i]:
@@ -71,8 +71,8 @@ def solve_cone(
 
 
 @compiled
-def _follow_slips(n: int, mu: Array, y: Array, law: Array, part: float) -> bool:
-    """Take the coefficients from the slips; whether any has changed."""
+def _follow_slips(n: int, mu: Array, y: Array, law: Array) -> bool:
+    """Take the coefficients from the slips where these are less; whether any has changed."""
     changed = False
     for i in range(n - 2):
         # Constant ones need no second look, and a row without friction stands alone.
@@ -81,10 +81,11 @@ def _follow_slips(n: int, mu: Array, y: Array, law: Array, part: float) -> bool:
         slip = math.sqrt(y[i + 1] * y[i + 1] + y[i + 2] * y[i + 2])
         ratio = slip / mu[i, 2]
         friction = mu[i, 1] + (mu[i, 0] - mu[i, 1]) * math.exp(-ratio * ratio)
-        if abs(friction - law[i, 2]) > SETTLED_COEFFICIENT * mu[i, 0]:
+        # What only falls comes to rest, where rows that slip in turn would go back and forth.
+        friction = min(friction, law[i, 2])
+        if law[i, 2] - friction > SETTLED_COEFFICIENT * mu[i, 0]:
             changed = True
-        # Half changes come to rest where whole ones go back and forth.
-        law[i, 2] += part * (friction - law[i, 2])
+        law[i, 2] = friction
     return changed
 
 
