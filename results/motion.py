@@ -478,8 +478,8 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
 class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_contact", plot="{}"):
     """What happens between two surfaces, or a surface and a shape.
 
-    `pressure`, `gaps` and `displacement` are recorded where the model asks for `nodes`. See
-    `ContactMotion` for an example: `results.contact(name)` has both.
+    `pressure`, `gaps`, `traction`, `slip_speed` and `displacement` are recorded where the model
+    asks for `nodes`. See `ContactMotion` for an example: `results.contact(name)` has both.
     """
 
     events: Events
@@ -522,6 +522,24 @@ class SurfaceContactMotion(Recorded, group="surface_contacts", owner="surface_co
         source="surface_row_gap",
     )
     """(n, k) gap of each row; no number where it is far [m]"""
+    traction: Array = quantity(
+        ("Pa", "Pa"),
+        "friction of each row over its area, on the body of the first surface, in space",
+        "axis",
+        name="traction",
+        of="surface_row",
+        source="surface_row_traction",
+    )
+    """(n, k, 3) friction of each row over its area, on the body of the first surface, in space
+    [Pa]"""
+    slip_speed: Array = quantity(
+        ("m s-1", "m s-1"),
+        "speed at which each closed row with friction slips",
+        name="slip_speed",
+        of="surface_row",
+        source="surface_row_slip_speed",
+    )
+    """(n, k) speed at which each closed row with friction slips [m/s]"""
     displacement: Array = quantity(
         ("m", "m"),
         "elastic displacement of each node of the first surface, in body axes; no number where it "

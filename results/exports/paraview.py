@@ -17,10 +17,9 @@ from ..recovery import in_space
 from ..results import Results
 from ..steps import batches
 from .folder import exported
-from .vtkhdf import Cells, Grid
+from .pressed import Pressed, pressed_surfaces, write_pressed
+from .vtkhdf import BATCH_POINTS, Cells, Grid
 
-# Points times steps in memory together, so that long runs of large meshes fit.
-BATCH_POINTS = 1 << 20
 # VTK has xx, yy, zz, xy, yz, xz; stresses here are xx, yy, zz, yz, xz, xy.
 VTK_STRESS_ORDER = [0, 1, 2, 5, 3, 4]
 NUMBERS_OF_SOURCES = {"rigid": 0, "recovery": 1, "interfaces": 2}
@@ -40,8 +39,9 @@ def write_vtk(
     """Write the motion at some recorded steps for ParaView.
 
     NAME.vtkhdf has the outlines of all recorded bodies, NAME-points.vtkhdf recorded frames and
-    contacts as points, with their forces, and NAME-names.csv the names of bodies and points by
-    their numbers.
+    contacts as points, with their forces, NAME-surfaces.vtkhdf surfaces in contact with their
+    pressures, where the run recorded their `nodes`, and NAME-names.csv the names of bodies, points
+    and surfaces by their numbers.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def write_vtk(
     ...     [path.name for path in write_vtk(results, folder, "run", np.arange(3))]
     ['run.vtkhdf', 'run-names.csv']
     """
-    bodies, points = results.bodies, _points(results)
+    bodies, points, pressed = results.bodies, _points(results), pressed_surfaces(results)
     if not bodies and not points:
         raise ExportError(
             "the run recorded no body, frame or contact, so there is nothing to export"
@@ -86,8 +86,11 @@ def write_vtk(
         if points:
             with export.file(f"{name}-points.vtkhdf") as path:
                 _write_points(results, path, steps)
+        if pressed:
+            with export.file(f"{name}-surfaces.vtkhdf") as path:
+                write_pressed(results, pressed, path, steps, magnification)
         with export.file(f"{name}-names.csv") as path:
-            write_rows(path, _names(results))
+            write_rows(path, _names(results, pressed))
     return export.paths
 
 
@@ -245,10 +248,12 @@ def _at(results: Results, variable: str, steps: Index, width: int) -> Array:
     return np.concatenate([_at(results, variable, half, width) for half in halves])
 
 
-def _names(results: Results) -> Iterator[list[object]]:
-    """What the numbers of bodies and points stand for."""
+def _names(results: Results, pressed: Sequence[Pressed]) -> Iterator[list[object]]:
+    """What the numbers of bodies, points and surfaces stand for."""
     yield ["file", "number", "name", "deformation"]
     for number, body in enumerate(results.bodies):
         yield ["bodies", number, body, results.outline_source(body)]
     for number, name in enumerate(_points(results)):
         yield ["points", number, name, ""]
+    for number, one in enumerate(pressed):
+        yield ["surfaces", number, f"{one.contact}: {one.body}.{one.surface.name}", ""]

@@ -16,6 +16,8 @@ VTKHDF_VERSION = (2, 2)
 # Points that HDF5 compresses together.
 CHUNK_POINTS = 1 << 15
 GZIP_LEVEL = 4
+# Points times steps in memory together, so that long runs of large meshes fit.
+BATCH_POINTS = 1 << 20
 # By the number of points: vertex, line, triangle, quad, and the quadratic ones.
 VTK_CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 

@@ -153,6 +153,26 @@ def _velocity(b: int, place: Vector, before: bool, state: State, work: Workspace
 
 
 @compiled
+def _record_friction(
+    system: System, c: int, i: int, state: State, work: Workspace, output: Output, k: int
+) -> None:
+    """Traction and speed of slip of row i of contact c in row k of the output."""
+    surfaces, totals = system.surfaces, state.surfaces
+    traction, square = (0.0, 0.0, 0.0), 0.0
+    if surfaces.contacts.slip_row[c] >= 0 and totals.force[i] > 0.0:
+        b = surfaces.patches.body[surfaces.contacts.patch[c]]
+        for kind in range(1, 3):
+            s = slip_row(surfaces, c, i, kind)
+            # Of a slip, `normal` is its tangent and `gap` its way in the step.
+            tangent = rotate(state.bodies.R, b, row(totals.normal, s))
+            traction = add(traction, scale(totals.force[s] / work.surfaces.area[i], tangent))
+            square += totals.gap[s] * totals.gap[s]
+    for x in range(3):
+        output.surface_row_traction[k, i, x] = traction[x]
+    output.surface_row_slip_speed[k, i] = math.sqrt(square) / system.scheme.h
+
+
+@compiled
 def record_surfaces(system: System, state: State, work: Workspace, output: Output, k: int) -> None:
     """Contacts of surfaces in row k of the output, and where asked for their rows and nodes."""
     contacts, patches = system.surfaces.contacts, system.surfaces.patches
@@ -177,6 +197,7 @@ def record_surfaces(system: System, state: State, work: Workspace, output: Outpu
             if wanted:
                 output.surface_row_pressure[k, i] = pressure
                 output.surface_row_gap[k, i] = gap
+                _record_friction(system, c, i, state, work, output, k)
         for x in range(3):
             output.surface_contact_force[k, c, x] = totals.total_force[c, x]
             output.surface_contact_moment[k, c, x] = totals.total_moment[c, x]

@@ -7,7 +7,7 @@ import duhamel as du
 import numpy as np
 import pytest
 import skfem
-from duhamel.solver import FlexibleBody, Model, ModelError, Settings, Start, simulate
+from duhamel.solver import FlexibleBody, Model, ModelError, OutputRequest, Settings, Start, simulate
 from duhamel.solver.couplings.friction import Stribeck
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.step.cone import solve_cone
@@ -153,3 +153,34 @@ def test_a_coefficient_below_zero_is_refused():
 def test_a_spring_of_friction_is_no_key_of_surfaces():
     with pytest.raises(TypeError, match="tangential_stiffness"):
         SurfaceContact("floor", ["a.b", "ground"], tangential_stiffness=1.0, **PLANE)
+
+
+def test_traction_is_the_friction_of_each_row(on_incline):
+    """Of a block that is pushed aside: mu times its pressure, against the way, at its speed."""
+    model = on_incline.model_of(0.0, 0.5, 40 * H)
+    run = simulate(model.with_settings(output=OutputRequest(nodes=True)))
+    floor, speed = run.contact("floor"), run.body("block").v[:, 0]
+    late = slice(5, None)
+    pressure, traction = floor.pressure[late], floor.traction[late]
+    assert (pressure > 0.0).any()
+    np.testing.assert_allclose(
+        np.linalg.norm(traction, axis=2), 0.3 * pressure, rtol=1e-6, atol=1e-9
+    )
+    assert (traction[..., 0] <= 0.0).all()
+    closed = pressure > 0.0
+    slip = floor.slip_speed[late]
+    assert (slip[~closed] == 0.0).all()
+    np.testing.assert_allclose(
+        slip[closed], np.broadcast_to(speed[late, None], slip.shape)[closed], rtol=0.05
+    )
+
+
+def test_rows_that_stick_do_not_slip(on_incline):
+    run = simulate(
+        on_incline.model_of(10.0, 0.0, 200 * H).with_settings(output=OutputRequest(nodes=True))
+    )
+    floor = run.contact("floor")
+    closed = floor.pressure[-1] > 0.0
+    sticking = closed & (np.linalg.norm(floor.traction[-1], axis=1) < 0.299 * floor.pressure[-1])
+    assert sticking.any()
+    assert floor.slip_speed[-1][sticking].max() < 1e-12
