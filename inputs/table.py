@@ -80,12 +80,17 @@ class Table(_Model):
         describe(handler.resolve_ref_schema(schema), (*cls.documented, cls))
         return schema
 
+    absent: ClassVar[Mapping[str, str]] = {}
+    """keys that one may expect from tables like this, and why it has none"""
+
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, data: Any) -> Any:
         known = {field.alias or name: name for name, field in cls.model_fields.items()}
         for key in data if isinstance(data, Mapping) else ():
             if key not in known and key not in cls.model_fields:
+                if key in cls.absent:
+                    raise ValueError(f"unknown key {quoted(key)}: {cls.absent[key]}")
                 meant = did_you_mean(key, known, cutoff=0.5) or f"; known are {', '.join(known)}"
                 raise ValueError(f"unknown key {quoted(key)}{meant}")
         return (

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 from ..files.arrays import Array
 from ..superelement import Outline
 
+SURFACE_CONTACTS = "surface_contacts"
+"""the group of connections of a shape and the body whose surface meets it"""
+
 
 @dataclass(frozen=True)
 class Place:
@@ -27,7 +30,9 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class ContactShape:
-    """What the ball of a contact touches, about the first frame; a plane has its axis alone.
+    """What the ball or surface of a contact touches, about the first frame.
+
+    A plane has its axis alone.
 
     radius: of a sphere or cylinder, else 0 [m]; length: of a cylinder, half to each side, or inf
     [m]; across (3,): a unit vector across the axis, in the axes in which that is; curve (n, 2): of
@@ -48,15 +53,16 @@ class Connection:
     ----------
     name : str
     group : str
-        "joints", "springs", "contacts", "motions", "motors", "stops" or "couplers".
+        "joints", "springs", "contacts", "motions", "motors", "stops", "couplers" or
+        "surface_contacts".
     type : str
         "revolute", ...
     between : (str, str)
         "BODY.FRAME", "BODY" for its center of mass, "ground.NAME", or "ground" where the other
         frame starts.
     axis : (3,), optional
-        Of joints and others that have one: a unit vector in the axes of the first frame, which for
-        "ground" are those of space.
+        Of joints and others that have one: a unit vector in the axes of the first frame, or of
+        space where that is on the ground.
     shape : ContactShape, optional
         Of a contact; files of earlier versions have none.
 

@@ -103,7 +103,7 @@ class CarriedShape:
         length = np.inf if self.length is None else self.length
         # Frames of the ground may be turned (D), but pictures place their shapes in the axes of
         # space.
-        across = D @ across if self.between[0] == GROUND else across
+        across = D @ across if self.between[0].partition(".")[0] == GROUND else across
         return ContactShape(self.radius or 0.0, length, across, curve)
 
     def check_shape(self) -> None:

@@ -41,6 +41,16 @@ class ShapeInFrame(NamedTuple):
     parameters: list[float]
 
 
+WITHOUT_LAW = dict.fromkeys(
+    ("restitution", "stiffness", "exponent", "damping", "slow", "hertz", "law"),
+    "surfaces of bodies meet exactly, without a law of force; an impact loses what goes into "
+    "waves and their damping",
+) | dict.fromkeys(
+    ("tangential_stiffness", "tangential_damping"),
+    "what sticks does not move, and no spring holds it",
+)
+
+
 @entry()
 class SurfaceContact(CarriedShape, Entry):
     """A surface of a flexible body against a shape, rigid facets, or another flexible surface.
@@ -87,6 +97,7 @@ class SurfaceContact(CarriedShape, Entry):
     label = "contact {name!r}"
     group: ClassVar[str] = "contacts"
     presses_surfaces: ClassVar[bool] = True
+    absent: ClassVar[Mapping[str, str]] = WITHOUT_LAW
 
     name: Name
     surfaces: Pair

@@ -133,6 +133,8 @@ class Entry:
     """the name of an entry in messages, by its fields: "joint {name!r}" """
     tag: ClassVar[str] = ""
     """the value of the key `type`, of entries that model files tell apart by it"""
+    absent: ClassVar[Mapping[str, str]] = {}
+    """keys that one may expect in its table, and why there are none"""
 
     @property
     def owner(self) -> str:

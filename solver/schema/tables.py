@@ -47,7 +47,7 @@ def table_of(kind: type[Entry]) -> type[EntryTable]:
         # pydantic tells the tables of an array apart by this literal.
         keys = {"type": (Literal[kind.tag], ...), **keys}
     table = create_model(kind.__name__, __base__=EntryTable, **keys)
-    table.entry, table.documented = kind, (kind,)
+    table.entry, table.documented, table.absent = kind, (kind,), kind.absent
     return table
 
 

@@ -26,6 +26,7 @@ from duhamel.solver import (
 )
 from duhamel.solver.checkpoint.carried import Snapshot, carried
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
+from duhamel.solver.schema.tables import table_of
 from duhamel.solver.step.complementarity import solve_complementarity
 from duhamel.solver.step.facets import (
     facet_functions,
@@ -687,3 +688,13 @@ def test_a_sphere_of_triangles_is_nearly_the_sphere(tmp_path):
     ratios = rises[first:last, :3] / heights
     assert np.median(ratios) == pytest.approx(1.0, abs=0.02)
     assert 0.6 < ratios.min() < ratios.max() < 1.4
+
+
+@pytest.mark.parametrize(
+    ("key", "why"),
+    [("restitution", "without a law of force"), ("tangential_stiffness", "no spring")],
+)
+def test_keys_of_contacts_of_balls_are_refused_with_the_reason(key, why):
+    keys = {"name": "floor", "surfaces": ["a.low", "ground"], "shape": "plane", "axis": [0, 0, 1]}
+    with pytest.raises(ValueError, match=why):
+        table_of(SurfaceContact).model_validate({**keys, key: 0.5})

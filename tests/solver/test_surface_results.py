@@ -273,3 +273,28 @@ def test_the_energy_of_a_layer_is_stored(element):
     run = drop(element, layer=1e14).simulate(6e-5, STEP)
     energy = run.results.energy
     assert np.abs(energy.balance).max() < 1e-4 * energy.kinetic[0]
+
+
+def test_results_know_the_shapes_that_surfaces_meet(element):
+    """In space where the ground carries them, in the axes of their frame where a body does."""
+    m = drop(element)
+    turned = m.ground.frame("turned", [0.1, 0.2, -0.3], rotation=[0.0, 0.5 * np.pi, 0.0])
+    m.add(du.contacts.surface("dome.dome", turned, shape="plane", axis="z"), name="wall")
+    cart = m.add(
+        du.RigidBody(1.0, [1.0, 1.0, 1.0]), name="cart", position=[0, 0, -1], rotation=[0, 1, 0]
+    )
+    m.add(
+        du.contacts.surface("dome.dome", cart, shape="cylinder", axis="y", radius=0.3), name="roll"
+    )
+    results = m.simulate(STEP, STEP).results
+    found = {one.name: one for one in results.couplings}
+    assert {one.group for one in found.values()} == {"surface_contacts"}
+    assert found["floor"].between == ("ground.(floor)", "dome")
+    assert found["wall"].between == ("ground.turned", "dome")
+    for name in ("floor", "wall"):
+        np.testing.assert_allclose(found[name].axis, [0.0, 0.0, 1.0], atol=1e-15)
+        assert abs(found[name].shape.across[2]) < 1e-12
+    np.testing.assert_allclose(found["roll"].axis, [0.0, 1.0, 0.0], atol=1e-15)
+    assert found["roll"].shape.radius == 0.3
+    np.testing.assert_array_equal(results.ground_frames["(floor)"], np.zeros(3))
+    np.testing.assert_array_equal(results.ground_frames["turned"], [0.1, 0.2, -0.3])

@@ -8,6 +8,7 @@ import numpy as np
 from ...results import Connection, Results
 from ...results.motion import ContactMotion
 from ...results.rotations import rotate
+from ...results.space import SURFACE_CONTACTS
 from ...superelement import Outline, figures
 from ...superelement.validation import Array
 from . import glyphs
@@ -209,14 +210,14 @@ def _grounds(coupling: Connection, tracks: Tracks, radius: float) -> Iterator[Ma
 
 
 def shapes_of(results: Results, placing: Placing, size: float) -> Iterator[Mark]:
-    """The shapes that the balls of contacts touch; one for contacts that share it.
+    """The shapes that balls and surfaces touch; one for contacts that share it.
 
-    What has no end reaches as far as the balls come, and somewhat beyond.
+    What has no end reaches as far as the balls and bodies come, and somewhat beyond.
     """
     met: dict[str, tuple[Connection, Track, list[Array]]] = {}
     for coupling in results.couplings:
         first, second = coupling.between
-        if coupling.group != "contacts":
+        if coupling.group not in ("contacts", SURFACE_CONTACTS):
             continue
         carrier, ball = placing.tracks.end(first, second), placing.find(second)
         if carrier is None or ball is None:
