@@ -15,6 +15,8 @@ from .facets import MOST_CORNERS, MOST_NODES, NUMBERED_FACETS, SMOOTH_TYPES, Rul
 
 NEGLIGIBLE_SINE_SQUARED = 1e-12
 """1 - c^2 of normals between which an edge is straight"""
+MOST_BALLS = 8
+"""spheres around the parts of a surface"""
 FEATURE_ANGLE = math.radians(30.0)
 """angle between facets from which on the edge between them is sharp"""
 
@@ -171,14 +173,39 @@ class Patch:
 
     @cached_property
     def center(self) -> Array:
-        X = self.surface.X
-        # Of the box: a mean would lie where the mesh is fine.
-        center: Array = 0.5 * (X.min(axis=0) + X.max(axis=0))
-        return center
+        return sphere_around(self.surface.X)[:3]
 
     @property
     def radius(self) -> float:
-        return float(np.linalg.norm(self.surface.X - self.center, axis=1).max())
+        return float(sphere_around(self.surface.X)[3])
+
+    @cached_property
+    def balls(self) -> Array:
+        """Centers and radii of spheres (n, 4) that together have all facets, each with some.
+
+        The largest is divided in the middle, again and again: feet get spheres of their own.
+        """
+        x = self.surface.X[self.surface.facets]
+        middles = x.mean(axis=1)
+        groups = [np.arange(len(x))]
+        while len(groups) < MOST_BALLS:
+            radii = [sphere_around(x[group].reshape(-1, 3))[3] for group in groups]
+            largest = groups.pop(int(np.argmax(radii)))
+            low, high = middles[largest].min(axis=0), middles[largest].max(axis=0)
+            axis = int(np.argmax(high - low))
+            upper = middles[largest, axis] > 0.5 * (low + high)[axis]
+            if not upper.any():
+                groups.append(largest)
+                break
+            groups += [largest[~upper], largest[upper]]
+        return np.array([sphere_around(x[group].reshape(-1, 3)) for group in groups])
+
+
+def sphere_around(X: Array) -> Array:
+    """Center and radius (4,) of a sphere around points (n, 3)."""
+    # Of the box: a mean would lie where the mesh is fine.
+    center = 0.5 * (X.min(axis=0) + X.max(axis=0))
+    return np.append(center, np.linalg.norm(X - center, axis=1).max())
 
 
 def lay_out_patches(patches: Sequence[Patch]) -> Patches:
@@ -212,6 +239,8 @@ def lay_out_patches(patches: Sequence[Patch]) -> Patches:
         point=starts(patch.n_points for patch in patches),
         center=as_rows([patch.center for patch in patches]),
         radius=np.array([patch.radius for patch in patches], dtype=np.float64),
+        ball_range=starts(len(patch.balls) for patch in patches),
+        ball=np.concatenate([np.empty((0, 4)), *(patch.balls for patch in patches)]),
         X=np.concatenate([np.empty((0, 3)), *(patch.surface.X for patch in patches)]),
         area=joined(patch.areas for patch in patches),
         weight=joined(patch.weights.ravel() for patch in patches),

@@ -1,7 +1,7 @@
 """Which surfaces may meet in a step, and which have passed one another within it.
 
-A patch is a sphere that grows by what the energy of its body can move a node; a target is a shape,
-or a sphere as well. Source: docs/theory.md, Contact of surfaces.
+A patch is a few spheres around its parts, which grow by what the energy of its body can move a
+node; a target is a shape, or spheres as well. Source: docs/theory.md, Contact of surfaces.
 """
 
 import math
@@ -61,7 +61,9 @@ def follow_surface_passages(system: System, state: State, work: Workspace) -> No
 @compiled
 def _meets(system: System, c: int, way: float, state: State, work: Workspace) -> bool:
     """Whether the sphere around the patch of contact c has met its target on its way to here."""
-    reach = _reach(system, system.surfaces.contacts.patch[c], state)
+    p = system.surfaces.contacts.patch[c]
+    reach = system.surfaces.patches.radius[p] + _stretch(system, p, state)
+    reach += _stretch_of_target(system, c, state)
     center = _center(system, system.surfaces.contacts.patch[c], state)
     back = scale(-system.scheme.h, _closing_velocity(system, c, center, state, work))
     s = 0.0
@@ -101,11 +103,12 @@ def find_near(system: System, state: State, work: Workspace) -> None:
 
 @compiled
 def _is_near(system: System, c: int, h: float, state: State, work: Workspace) -> bool:
-    """Whether the sphere around a patch, as large as it may have become, may meet its target."""
-    contacts, V = system.surfaces.contacts, work.frames.V
+    """Whether a sphere around a part of a patch, as large as it may have become, may meet its
+    target.
+    """
+    contacts, patches, V = system.surfaces.contacts, system.surfaces.patches, work.frames.V
     p, f = contacts.patch[c], contacts.frame[c]
-    center = _center(system, p, state)
-    reach, speed = _reach(system, p, state), _speed(system, p, state)
+    center, speed = _center(system, p, state), _speed(system, p, state)
     if f >= 0:
         delta = subtract(center, target_origin(system, c, state, work))
         speed += length((V[f, 0], V[f, 1], V[f, 2]))
@@ -113,13 +116,21 @@ def _is_near(system: System, c: int, h: float, state: State, work: Workspace) ->
         speed += length((V[f, 3], V[f, 4], V[f, 5])) * length(delta)
     else:
         speed += _speed(system, contacts.target[c], state)
-    return _distance(system, c, center, state, work) < reach + STEPS_OF_APPROACH * h * speed
+    reach = _stretch(system, p, state) + STEPS_OF_APPROACH * h * speed
+    by_target = _stretch_of_target(system, c, state)
+    for k in range(patches.ball_range[p], patches.ball_range[p + 1]):
+        center = _placed(
+            system, p, (patches.ball[k, 0], patches.ball[k, 1], patches.ball[k, 2]), state
+        )
+        if _distance(system, c, center, state, work) < patches.ball[k, 3] + by_target + reach:
+            return True
+    return False
 
 
 @compiled
 def _distance(system: System, c: int, center: Vector, state: State, work: Workspace) -> float:
-    """The distance of a point in space from the shape of contact c, or the sphere around its
-    target.
+    """The distance of a point in space from the shape of contact c, or from the nearest sphere of
+    its undeformed target.
     """
     surfaces, t = system.surfaces, system.surfaces.contacts.target[c]
     delta = subtract(center, target_origin(system, c, state, work))
@@ -127,23 +138,38 @@ def _distance(system: System, c: int, center: Vector, state: State, work: Worksp
     if t < 0:
         gap, _, _ = distance_from_shape(surfaces, c, y)
         return float(gap)
-    apart = length(subtract(y, row(surfaces.patches.center, t)))
-    if surfaces.contacts.frame[c] >= 0:
-        return float(apart - surfaces.patches.radius[t])
-    return float(apart - _reach(system, t, state))
+    ball, nearest = surfaces.patches.ball, math.inf
+    for k in range(surfaces.patches.ball_range[t], surfaces.patches.ball_range[t + 1]):
+        apart = length(subtract(y, (ball[k, 0], ball[k, 1], ball[k, 2])))
+        nearest = min(nearest, apart - ball[k, 3])
+    return nearest
 
 
 @compiled
 def _center(system: System, p: int, state: State) -> Vector:
     """The center of the sphere around patch p of a body, in space."""
-    b = system.surfaces.patches.body[p]
-    lever = rotate(state.bodies.R, b, row(system.surfaces.patches.center, p))
-    return add(row(state.bodies.x, b), lever)
+    return _placed(system, p, row(system.surfaces.patches.center, p), state)
 
 
 @compiled
-def _reach(system: System, p: int, state: State) -> float:
-    """The radius of patch p, with the most that the energy of its modes can move a node."""
+def _placed(system: System, p: int, X: Vector, state: State) -> Vector:
+    """A place in the axes of patch p of a body, in space."""
+    b = system.surfaces.patches.body[p]
+    return add(row(state.bodies.x, b), rotate(state.bodies.R, b, X))
+
+
+@compiled
+def _stretch_of_target(system: System, c: int, state: State) -> float:
+    """The most that a node of the target of contact c can move, 0 of rigid ones."""
+    contacts = system.surfaces.contacts
+    if contacts.target[c] < 0 or contacts.frame[c] >= 0:
+        return 0.0
+    return float(_stretch(system, contacts.target[c], state))
+
+
+@compiled
+def _stretch(system: System, p: int, state: State) -> float:
+    """The most that the energy of the modes of patch p can move a node."""
     surfaces, modes = system.surfaces, system.elastic.modes
     s = surfaces.patches.owner[p]
     e = surfaces.bodies.flexible[s]
@@ -151,7 +177,7 @@ def _reach(system: System, p: int, state: State) -> float:
     for i in range(modes.range[e], modes.range[e + 1]):
         energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
         energy += 0.5 * state.modes.rate[i] ** 2
-    return float(surfaces.patches.radius[p] + surfaces.bodies.reach[s] * math.sqrt(energy))
+    return float(surfaces.bodies.reach[s] * math.sqrt(energy))
 
 
 @compiled

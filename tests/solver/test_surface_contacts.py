@@ -35,6 +35,7 @@ from duhamel.solver.step.facets import (
     walk_to_foot,
 )
 from duhamel.solver.step.frames import move_frames
+from duhamel.solver.step.loop import is_contact_near
 from duhamel.solver.step.surfaces import press_surfaces
 from duhamel.superelement import Channels, Pattern
 from scipy.spatial.transform import Rotation
@@ -698,3 +699,27 @@ def test_keys_of_contacts_of_balls_are_refused_with_the_reason(key, why):
     keys = {"name": "floor", "surfaces": ["a.low", "ground"], "shape": "plane", "axis": [0, 0, 1]}
     with pytest.raises(ValueError, match=why):
         table_of(SurfaceContact).model_validate({**keys, key: 0.5})
+
+
+def test_what_is_near_goes_by_the_parts_of_a_surface():
+    """A face that lies flat above the ground is near at a third of its radius, not at all of it."""
+    motion = Motion(model(body=falling(position=[0.0, 0.0, EDGE])))
+    system, state, work = motion.system, motion.state, motion.work
+    state.bodies.v[:] = 0.0
+    X, ball = system.surfaces.patches.X, system.surfaces.patches.ball
+    assert len(ball) == 8
+    inside = np.linalg.norm(X[:, None] - ball[:, :3], axis=2) <= ball[:, 3] + 1e-12
+    assert inside.any(axis=1).all()
+    radius = system.surfaces.patches.radius[0]
+
+    def is_near_at(height):
+        lowest = (X @ state.bodies.R[0].T)[:, 2].min()
+        state.bodies.x[0] = [0.3, -0.2, height - lowest]
+        return is_contact_near(system, 1e-6, state, work)
+
+    assert is_near_at(0.3 * radius)
+    assert not is_near_at(0.6 * radius)
+    for rotation in Rotation.random(200, random_state=1).as_matrix():
+        state.bodies.R[0] = rotation
+        assert is_near_at(1e-9)
+        assert not is_near_at(2.0 * radius)

@@ -29,6 +29,10 @@ class Patches(Struct):
     """center of a sphere around the patch, in the axes of its nodes [m]"""
     radius: Array = array("n_patches")
     """its radius [m]"""
+    ball_range: Index = array("n_patches_1")
+    """first entry of each patch in `ball`"""
+    ball: Array = array("n_balls", 4)
+    """centers of spheres around parts of each patch, in the axes of its nodes, and radii [m]"""
     X: Array = array("n_nodes", 3)
     """nodes from the center of mass in body axes, or from the origin of a frame in its axes [m]"""
     area: Array = array("n_rows")
