@@ -148,6 +148,9 @@ def _lay_out_bodies(
             made[key] = _motion(model, name, patches, e, elastic, stepping)
         motions.append(made[key])
     owners = [id(motion) for motion in motions]
+    spread = _spread_loads(model, layout, motions)
+    spread_start = np.cumsum([0, *(0 if own is None else len(own) for own in spread)])[:-1]
+    spread_start[[own is None for own in spread]] = -1
     phi, phi_start = packed([motion.phi for motion in motions], owners)
     T, T_start = packed([motion.T for motion in motions], owners)
     G, G_start = packed([motion.G for motion in motions], owners)
@@ -165,7 +168,32 @@ def _lay_out_bodies(
         G=G,
         G_start=G_start,
         reach=np.array([motion.reach for motion in motions], dtype=np.float64),
+        spread=np.concatenate([np.empty(0), *(own for own in spread if own is not None)]),
+        spread_start=as_index(spread_start),
+        spread_reach=np.array(
+            [0.0 if own is None else _largest_length(own) for own in spread], dtype=np.float64
+        ),
     )
+
+
+def _spread_loads(
+    model: Model, layout: SurfaceLayout, motions: Sequence["_Motion"]
+) -> list[Array | None]:
+    """Displacements of nodes by each load pattern; None on bodies without surfaces in contact."""
+    found: list[Array | None] = []
+    for load in model.pattern_loads:
+        if load.body not in layout.owners:
+            found.append(None)
+            continue
+        patterns = model.flexible_bodies[load.body].superelement.patterns
+        names = [pattern.name for pattern in patterns]
+        found.append(motions[layout.owners.index(load.body)].B[:, names.index(load.pattern)])
+    return found
+
+
+def _largest_length(u: Array) -> float:
+    """The length of the longest of the vectors (3 n,) of n nodes."""
+    return float(np.linalg.norm(u.reshape(-1, 3), axis=1).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,6 +203,7 @@ class _Motion:
     phi: Array
     T: Array
     G: Array
+    B: Array
     reach: float
 
 
@@ -204,6 +233,7 @@ def _motion(
     start = int(elastic.modes.phi_start[e])
     phi_J = elastic.modes.phi[start : start + n_c * m].reshape(n_c, m)
     active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
+    phi_P = phi_J[element.n_c : element.n_c + len(element.patterns)]
     phi_J = phi_J[active - elastic.dof[e]]
     # With fewer modes some motions of the interfaces would leave that of the nodes open.
     if (rank := np.linalg.matrix_rank(phi_J)) < len(active):
@@ -216,11 +246,12 @@ def _motion(
     G_CJ, G_JJ = (phi * per_mode) @ phi_J.T, (phi_J * per_mode) @ phi_J.T
     T = np.linalg.solve(G_JJ, G_CJ.T).T if len(active) else np.empty((len(dofs), 0))
     G = (phi * per_mode) @ phi.T + residual - T @ G_CJ.T
+    B = (phi * per_mode) @ phi_P.T - T @ ((phi_J * per_mode) @ phi_P.T)
     # |u|^2 <= sum phi^2 / stiffness times sum stiffness eta^2, which is twice the energy.
     squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
     reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
     # Symmetric to the last bit: the loop reads rows of G as columns.
-    return _Motion(phi, T, 0.5 * (G + G.T), reach)
+    return _Motion(phi, T, 0.5 * (G + G.T), B, reach)
 
 
 def _lay_out_contacts(

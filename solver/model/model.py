@@ -267,11 +267,6 @@ class Model(Entry):
                 known = ", ".join(flexible) or "none"
                 raise spread.error(f"no flexible body {spread.body!r}; there are: {known}")
             spread.pattern_of(flexible[spread.body].superelement)
-            if spread.body in self.bodies_with_pressed_surfaces:
-                raise spread.error(
-                    f"{spread.body!r} has a surface in contact, whose displacements under load "
-                    "patterns are not known: expected loads on its interfaces"
-                )
 
     def _check_equilibrium(self) -> None:
         """ModelError for a velocity: in equilibrium only a steady rotation has velocities."""

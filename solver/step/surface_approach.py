@@ -62,8 +62,8 @@ def follow_surface_passages(system: System, state: State, work: Workspace) -> No
 def _meets(system: System, c: int, way: float, state: State, work: Workspace) -> bool:
     """Whether the sphere around the patch of contact c has met its target on its way to here."""
     p = system.surfaces.contacts.patch[c]
-    reach = system.surfaces.patches.radius[p] + _stretch(system, p, state)
-    reach += _stretch_of_target(system, c, state)
+    reach = system.surfaces.patches.radius[p] + _stretch(system, p, state, work)
+    reach += _stretch_of_target(system, c, state, work)
     center = _center(system, system.surfaces.contacts.patch[c], state)
     back = scale(-system.scheme.h, _closing_velocity(system, c, center, state, work))
     s = 0.0
@@ -116,8 +116,8 @@ def _is_near(system: System, c: int, h: float, state: State, work: Workspace) ->
         speed += length((V[f, 3], V[f, 4], V[f, 5])) * length(delta)
     else:
         speed += _speed(system, contacts.target[c], state)
-    reach = _stretch(system, p, state) + STEPS_OF_APPROACH * h * speed
-    by_target = _stretch_of_target(system, c, state)
+    reach = _stretch(system, p, state, work) + STEPS_OF_APPROACH * h * speed
+    by_target = _stretch_of_target(system, c, state, work)
     for k in range(patches.ball_range[p], patches.ball_range[p + 1]):
         center = _placed(
             system, p, (patches.ball[k, 0], patches.ball[k, 1], patches.ball[k, 2]), state
@@ -159,17 +159,17 @@ def _placed(system: System, p: int, X: Vector, state: State) -> Vector:
 
 
 @compiled
-def _stretch_of_target(system: System, c: int, state: State) -> float:
+def _stretch_of_target(system: System, c: int, state: State, work: Workspace) -> float:
     """The most that a node of the target of contact c can move, 0 of rigid ones."""
     contacts = system.surfaces.contacts
     if contacts.target[c] < 0 or contacts.frame[c] >= 0:
         return 0.0
-    return float(_stretch(system, contacts.target[c], state))
+    return float(_stretch(system, contacts.target[c], state, work))
 
 
 @compiled
-def _stretch(system: System, p: int, state: State) -> float:
-    """The most that the energy of the modes of patch p can move a node."""
+def _stretch(system: System, p: int, state: State, work: Workspace) -> float:
+    """The most that the energy of its modes and load patterns can move a node of patch p."""
     surfaces, modes = system.surfaces, system.elastic.modes
     s = surfaces.patches.owner[p]
     e = surfaces.bodies.flexible[s]
@@ -177,7 +177,12 @@ def _stretch(system: System, p: int, state: State) -> float:
     for i in range(modes.range[e], modes.range[e + 1]):
         energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
         energy += 0.5 * state.modes.rate[i] ** 2
-    return float(surfaces.bodies.reach[s] * math.sqrt(energy))
+    way, patterns = surfaces.bodies.reach[s] * math.sqrt(energy), system.patterns
+    for t in range(len(patterns.body)):
+        if patterns.body[t] == surfaces.patches.body[p]:
+            amplitude = abs(work.loads.value[patterns.signal[t]])
+            way += surfaces.bodies.spread_reach[t] * amplitude
+    return float(way)
 
 
 @compiled

@@ -1,9 +1,10 @@
 """How the nodes of surfaces move, and what forces on them do to modes and dofs of their bodies.
 
-    u_C = phi eta + T (u - history) + G f
+    u_C = phi eta + T (u - history) + G f + B s
 
-phi eta: free motion of the modes; u: displacements of the active dofs; f: forces of contacts. These
-load the modes by phi^T f and the active dofs as loads T^T f would (records/surfaces.py). Source:
+phi eta: free motion of the modes; u: displacements of the active dofs; f: forces of contacts; s:
+amplitudes of load patterns. The forces load the modes by phi^T f and the active dofs as loads T^T f
+would (records/surfaces.py). Source:
 docs/theory.md, Contact of surfaces.
 """
 
@@ -216,7 +217,7 @@ def _by_modes(system: System, s: int, k: int, x: int, state: State) -> float:
 
 @compiled
 def set_base(system: System, s: int, state: State, work: Workspace) -> None:
-    """Displacements without forces of contacts: phi eta + T (u - history)."""
+    """Displacements without forces of contacts: phi eta + T (u - history) + B s."""
     bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
     e, first = bodies.flexible[s], bodies.node[s]
     begin, end = elastic.active_range[e], elastic.active_range[e + 1]
@@ -229,6 +230,22 @@ def set_base(system: System, s: int, state: State, work: Workspace) -> None:
                 change = state.interfaces.u[z] - work.interfaces.history[z]
                 total += bodies.T[place + i] * change
             out.base[k, x] = total
+    _add_spread_loads(system, s, work)
+
+
+@compiled
+def _add_spread_loads(system: System, s: int, work: Workspace) -> None:
+    """base += B s of body s: what its load patterns do within the step."""
+    bodies, patterns, out = system.surfaces.bodies, system.patterns, work.surfaces
+    b, first = system.elastic.body[bodies.flexible[s]], bodies.node[s]
+    for t in range(len(patterns.body)):
+        if patterns.body[t] != b:
+            continue
+        amplitude = work.loads.value[patterns.signal[t]]
+        for k in range(first, bodies.node[s + 1]):
+            for x in range(3):
+                place = bodies.spread_start[t] + 3 * (k - first) + x
+                out.base[k, x] += bodies.spread[place] * amplitude
 
 
 @compiled

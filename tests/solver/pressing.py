@@ -18,10 +18,11 @@ EDGE = 0.008
 
 
 @cache
-def block(n=3, ends=False, edge=EDGE):
+def block(n=3, ends=False, edge=EDGE, spread=False):
     """A cube of n^3 hexahedra with the surfaces `low` and `top`, and the halves of `low`.
 
-    ends: with the interfaces `left` and `right` at its ends along x.
+    ends: with the interfaces `left` and `right` at its ends along x; spread: with the load pattern
+    `press`, a force of 1 N down that is spread over `top`.
     """
     half, tip = 0.5 * edge, 1e-6 * edge
     part = du.Part(skfem.MeshHex.init_tensor(*[np.linspace(-half, half, n + 1)] * 3), STEEL)
@@ -34,6 +35,8 @@ def block(n=3, ends=False, edge=EDGE):
     if ends:
         part.interface("left", du.plane(x=-half))
         part.interface("right", du.plane(x=half))
+    if spread:
+        part.load("press", du.plane(z=half), pressure=1.0 / edge**2)
     return _quietly(part, step=1e-6, band=4e5)
 
 

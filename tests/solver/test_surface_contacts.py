@@ -11,6 +11,7 @@ from duhamel.solver import (
     Constant,
     Fixed,
     FlexibleBody,
+    Force,
     Frame,
     MissedContactError,
     Model,
@@ -19,6 +20,7 @@ from duhamel.solver import (
     Revolute,
     RigidBody,
     Settings,
+    Spring,
     Start,
     ValidityWarning,
     linearize,
@@ -515,14 +517,64 @@ def test_terms_of_second_order_are_refused_beside_pressed_surfaces(with_second_o
     assert Motion(model(body=replace(body, second_order="off"))).step()
 
 
-def test_load_patterns_are_refused_beside_pressed_surfaces():
-    element = block()
-    wind = Pattern("wind", np.ones(3), np.zeros(3))
-    channels = Channels((wind,), (), np.ones((1, len(element.modes.omega))))
-    body = falling(replace(element, channels=channels))
-    load = PatternLoad("block", "wind", Constant(1.0))
-    with pytest.raises(ModelError, match="'block' has a surface in contact"):
-        Motion(model(body=body, loads=[load]))
+# Load patterns
+
+
+def test_a_pattern_moves_a_surface_as_the_static_solution_of_its_mesh():
+    """In long steps nothing but statics is left: H, of the factor of K, with consistent loads."""
+    element = block(spread=True)
+    load = PatternLoad("block", "press", Constant(1.0))
+    bodies = Motion(model(body=falling(element), loads=[load], step=1.0)).system.surfaces.bodies
+    low, top = element.surface("low"), element.surface("top")
+    f = np.zeros((top.n, 3))
+    np.add.at(f[:, 2], top.facets.ravel(), -1.0 / top.facets.size)
+    H = element.surfaces.H[element.surfaces.rows("low"), element.surfaces.rows("top")]
+    expected = H @ f.ravel()
+    found = bodies.spread[bodies.spread_start[0] :][: 3 * low.n]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+    lengths = np.linalg.norm(expected.reshape(-1, 3), axis=1)
+    np.testing.assert_allclose(bodies.spread_reach, [lengths.max()], rtol=1e-8)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_pattern_presses_a_body_on_the_floor_as_the_same_force_does(held):
+    """A force of a frame is an unknown, with T; a pattern of the same displacements none, with B.
+
+    Where the frame is held by a spring its dofs are unknowns in both, and B has its second term.
+    """
+    element, force = block(ends=True), np.array([0.0, 0.0, -200.0])
+    interface = element.interface("right")
+    shape = force @ element.modes.phi[element.rows("right")][:3]
+    pattern = Pattern("same", force, np.cross(interface.X, force))
+    spread = replace(element, channels=Channels((pattern,), (), shape[None]))
+    signal = Constant(1.0)
+    soft = [1e5] * 3 + [0.0] * 3
+    springs = [Spring("hold", "bushing", ("ground", "block.left"), stiffness=soft)] if held else []
+    start = {"velocity": [0.0, 0.0, 0.0]}
+    by_pattern = Motion(
+        model(
+            body=falling(spread, **start),
+            loads=[PatternLoad("block", "same", signal)],
+            springs=springs,
+        )
+    )
+    by_force = Motion(
+        model(
+            body=falling(element, **start),
+            loads=[Force("block.right", force, signal, follower=True)],
+            springs=springs,
+        )
+    )
+    assert by_pattern.step(400)
+    assert by_force.step(400)
+    found, expected = np.array(by_pattern.forces), np.array(by_force.forces)
+    assert by_force.closings >= 1
+    # Their levers differ by the displacements of the interface.
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-3 * expected.max())
+    assert by_pattern.work.surfaces.awake[0]
+    np.testing.assert_allclose(by_pattern.energies, by_force.energies, rtol=1e-3, atol=1e-7)
+    works = [motion.state.energies.work[0] for motion in (by_pattern, by_force)]
+    assert works[0] == pytest.approx(works[1], rel=1e-3)
 
 
 def test_linear_analyses_leave_surfaces_open_and_say_so():

@@ -92,8 +92,11 @@ class SurfaceBodies(Struct):
     At their nodes, with free motion eta of the modes, displacements u of the active dofs and their
     history, and forces f of the contacts:
 
-        u_C = phi eta + T (u - history) + G f
+        u_C = phi eta + T (u - history) + G f + B s
         T = G_CJ G_JJ^-1,   G = G_CC - T G_JC,   G_CC = phi (beta h^2 / S) phi^T + F
+
+    s: amplitudes of load patterns; the modes of the file have all of their static response, so that
+    B = G_CP - T G_JP has no rest of its own.
     """
 
     flexible: Index = array("n_bodies")
@@ -116,6 +119,12 @@ class SurfaceBodies(Struct):
     """first entry of each body in `G`"""
     reach: Array = array("n_bodies")
     """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
+    spread: Array = array("n")
+    """B: displacements (3 n,) by each load pattern at amplitude 1, with the active dofs held"""
+    spread_start: Index = array("n_t")
+    """first entry of each load pattern in `spread`; -1: no surface of its body is in contact"""
+    spread_reach: Array = array("n_t")
+    """largest displacement of a node by each load pattern at amplitude 1"""
 
 
 class SurfaceContacts(Struct):
