@@ -1,7 +1,8 @@
 """A model as flat arrays, made once per simulation."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from ..step.records.bodies import Bodies
 from ..step.records.couplings import Couplings
 from ..step.records.elastic import Elastic, Sensors
 from ..step.records.loads import LoadPatterns, Loads
+from ..step.records.surfaces import Surfaces
 from ..step.rows import measures_length
 from ..step.system import System
 from .checks import check_assembled, check_masses, check_moments
@@ -66,6 +68,8 @@ class LoweredModel:
     superelements: list[Superelement]
     responses: Responses
     """of every flexible body"""
+    surfaces_of: Callable[[Elastic], Surfaces]
+    """contacts of surfaces whose bodies have other compliances"""
     flight: System | None = None
     """the system in the longest steps, away from contacts; None where all steps are the same"""
 
@@ -132,6 +136,7 @@ def lower(
     check_masses(model)
     elastic, responses = lay_out_elastic(model, frames.arrays, stepping)
     surfaces = plan_surfaces(model, frames)
+    surfaces_of = partial(lay_out_surfaces, model, surfaces, frames, stepping=stepping)
     system = System(
         scheme=lay_out_scheme(stepping),
         newton=lay_out_newton(model),
@@ -143,7 +148,7 @@ def lower(
         patterns=_lay_out_patterns(model, elastic),
         sensors=_lay_out_sensors(model, elastic),
         elastic=elastic,
-        surfaces=lay_out_surfaces(model, surfaces, frames, elastic, stepping),
+        surfaces=surfaces_of(elastic),
         pattern=lay_out_pattern(
             len(model.bodies), frames.arrays, couplings, elastic, surfaces.island_bodies
         ),
@@ -172,6 +177,7 @@ def lower(
         motor_signals=[signal for motor in model.motors for signal in motor.signals],
         superelements=[body.superelement for body in model.flexible_bodies.values()],
         responses=responses,
+        surfaces_of=surfaces_of,
         flight=_in_flight(model, frames, surfaces, stepping, system),
     )
 

@@ -29,8 +29,11 @@ from ..step.records.elastic import Elastic
 from ..step.records.laws import Motors
 from ..step.rows import measures_length
 from ..step.second_order import INERTIA_DOFS, inertia_column
+from ..step.surface_motion import end_search_step
+from ..step.surfaces import await_contacts
 from ..step.system import State, System, Workspace
 from .assembly import drive_rates, follow_turns
+from .pressed import change_sides, follow_loads_at_rest, rounding_of_surfaces, without_speeds
 from .servos import Holding
 from .steady import SteadyMotion
 from .unbalanced import causes, free_groups
@@ -55,10 +58,18 @@ NO_FORCE = 1e-300
 """the largest force where there is none, by which others are divided"""
 MAX_RISE, SMALL_RESIDUAL, REMEMBERED = 4.0, 1e-3, 8
 """by how much the residual may rise above the largest of those remembered, unless it is small"""
+TIPPING_RISE = 1.1
+"""of the residual in a step, with surfaces in contact, that does not count as one"""
 MAX_CAUTION = 8.0
 """steps with a rising residual that are remembered: from six on the inertia does not fall"""
 # steps without progress after which the residual may be taken for rounding
 IDLE_STEPS = 5
+MAX_CORRECTIONS, SMALL_CORRECTION = 30, 1e-10
+"""of an implicit step with surfaces in contact: how many, and which, over its way, is the last"""
+NEGLIGIBLE_WAY = 4.0
+"""in roundings of positions: corrections and depths that count as none"""
+MAX_SIDES = 10
+"""times that rows of surfaces change sides between two steps"""
 LARGEST_WAY = 1.0
 """by which a body may move or turn in a step, relative to the size of the model"""
 # of a step that no longer moves anything; the next power would overflow
@@ -167,17 +178,18 @@ def solve_equilibrium(
     motion: SteadyMotion | None,
     state: State,
     work: Workspace,
-) -> None:
+) -> System:
     """Bring a state into equilibrium, at rest or in steady rotation; ModelError if none is found.
 
     Changes positions, elastic displacements and multipliers, and sets the velocities and
-    accelerations of the rotation.
+    accelerations of the rotation. Returns the system that is at rest, with static compliances.
     """
-    reason = _Search(lowered, motion, state, work).find()
-    if reason:
+    search = _Search(lowered, motion, state, work)
+    if reason := search.find():
         # the more specific message, as of a damper that cannot turn
         check_steady(lowered, motion, state, work)
         raise _failure(lowered, reason, state, work)
+    return search.system
 
 
 class _Search:
@@ -189,24 +201,41 @@ class _Search:
         self.system, self.lengths = _at_rest(lowered), lowered.measures_lengths
         self.motion, self.state, self.work = motion, state, work
         self.free = free_groups(self.system)
-        self.way = 0.0
+        self.pressed = bool(lowered.model.surface_contacts)
+        work.surfaces.held[:] = 1
+        self.way, self.settled = 0.0, True
         self.passable, self.half_shapes = _passable(lowered)
         work.interfaces.history[:] = 0.0
         work.interfaces.rate_predicted[:] = 0.0
         self._evaluate()
         self.holding = Holding(self.system, self.lengths, *_largest_forces(self.system, work))
 
-    def saved(self) -> list[Array]:
-        return [array.copy() for array in self.state.arrays()]
+    def saved(self) -> list[Array | Index]:
+        return [array.copy() for array in self._carried()]
 
-    def restore(self, saved: list[Array]) -> None:
-        for array, old in zip(self.state.arrays(), saved, strict=True):
+    def restore(self, saved: list[Array | Index]) -> None:
+        for array, old in zip(self._carried(), saved, strict=True):
             array[:] = old
         self.work.bodies.quaternion_n[:] = self.state.bodies.quaternion
         self._evaluate()
 
+    def _carried(self) -> list[Array | Index]:
+        return [*self.state.arrays(), self.work.surfaces.closed]
+
     def find(self) -> str:
-        """The equilibrium in which motors with an integral are at their references."""
+        """The equilibrium in which motors with an integral are at their references.
+
+        With surfaces in contact first one in which all that touches sticks, and from there the one
+        in which friction obeys its law.
+        """
+        reason = self._find_holding()
+        self.work.surfaces.held[:] = 0
+        if self.pressed and not reason:
+            self._evaluate()
+            reason = self.flow()
+        return reason
+
+    def _find_holding(self) -> str:
         # Motors with integrals have no stiffness of their own at rest: stiff springs stand for
         # them, whose forces go over into the integrals.
         exact, self.system = self.system, self.holding.stiffened(self.system)
@@ -249,13 +278,14 @@ class _Search:
                     return "the equations are singular"
                 continue
             previous, residual = residual, self._residual()
-            astray = self.way > LARGEST_WAY * size or self._has_passed(balls)
+            astray = self.way > LARGEST_WAY * size or self._has_passed(balls) or not self.settled
             if astray or not residual < MAX_RISE * max(*recent, SMALL_RESIDUAL):
                 # The step is taken back and repeated with ten times the inertia.
                 self.restore(saved)
                 residual, beta, idle = previous, min(10.0 * beta, MAX_INERTIA), idle + 1
                 continue
-            rises = residual > previous
+            # What slides or tips over on a surface goes a long way at forces that hardly change.
+            rises = residual > (TIPPING_RISE if self.pressed else 1.0) * previous
             caution = min(caution + 1.0, MAX_CAUTION) if rises else max(caution - 0.25, 0.0)
             change = residual / previous
             if not rises:
@@ -308,13 +338,26 @@ class _Search:
     def _step(self, beta: float) -> bool:
         """One implicit step of the flow; False where its equations are singular."""
         system, state, work = _stiffened(self.system, beta), self.state, self.work
-        linearize(system, state, work)
-        assemble(system, state, work)
-        if self.motion is not None:
-            _add_centrifugal(system, self.motion, state, work)
-        if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
-            return False
-        self.way = correct(system, state, work)
+        self.way = 0.0
+        for k in range(MAX_CORRECTIONS):
+            linearize(system, state, work)
+            assemble(system, state, work)
+            # The motion is imposed anew by the next step alone.
+            if self.motion is not None and k == 0:
+                _add_centrifugal(system, self.motion, state, work)
+            if not factorize(system.pattern, work.matrix.S, work.matrix.pivots):
+                return False
+            way = correct(system, state, work)
+            self.way += way
+            if not self.pressed:
+                break
+            # What is exact closes and opens within a step, which is solved for as one of time.
+            evaluate(system, state, work)
+            small = max(SMALL_CORRECTION * self.way, self._rounding_of_ways())
+            self.settled = not self._change_sides() and not way > small
+            if self.settled:
+                break
+            evaluate(system, state, work)
         # Each step begins a new increment: psi counts from here.
         work.bodies.quaternion_n[:] = state.bodies.quaternion
         work.bodies.psi[:] = 0.0
@@ -341,8 +384,24 @@ class _Search:
     def _evaluate(self) -> None:
         """Residuals and the scales of forces at the positions of the state."""
         _move(self.motion, self.state)
+        if self.pressed:
+            end_search_step(self.system, self.state, self.work)
+            await_contacts(self.system, self.work)
         evaluate(self.system, self.state, self.work)
+        for _ in range(MAX_SIDES):
+            if not self._change_sides():
+                break
+            evaluate(self.system, self.state, self.work)
         set_force_scales(self.system, self.state, self.work)
+
+    def _change_sides(self) -> bool:
+        if not self.work.surfaces.held[0]:
+            return False
+        return change_sides(self._rounding_of_ways(), self.state, self.work)
+
+    def _rounding_of_ways(self) -> float:
+        """What positions are rounded by, and so what of a correction or a gap is none [m]."""
+        return NEGLIGIBLE_WAY * SUM_ROUNDING * largest_coordinate(self.system.bodies, self.state)
 
     def _residual(self, least: tuple[float, float] = (0.0, 0.0), opening: float = 0.0) -> float:
         parts = _relative_residuals(
@@ -375,7 +434,10 @@ class _Search:
         for i in np.flatnonzero(couplings.compliant).tolist():
             rounded[i] = law_rounding(self.system, i, first[i], reach, self.state, self.work)
         lengths = self.lengths
-        return float(rounded[lengths].max(initial=0.0)), float(rounded[~lengths].max(initial=0.0))
+        by_surfaces = rounding_of_surfaces(self.system, reach, self.work)
+        return float(rounded[lengths].max(initial=by_surfaces)), float(
+            rounded[~lengths].max(initial=0.0)
+        )
 
 
 def _passable(lowered: LoweredModel) -> tuple[Index, Array]:
@@ -401,11 +463,14 @@ def _at_rest(lowered: LoweredModel) -> System:
     )
     # Without inertia and damping the step's equations are those of statics: no code of its own.
     scheme = lowered.system.scheme.replace(weight=1.0, gamma_prime=0.0, beta_prime=0.0)
+    elastic = follow_loads_at_rest(elastic, scheme)
     # what is gyroscopic belongs to rates of q
     none = np.zeros_like(elastic.second.gyroscopic)
     second = elastic.second.replace(gyroscopic=none, turned=none)
     return lowered.system.replace(
-        scheme=scheme, elastic=elastic.replace(G_0=G_0, G_active=G_active, second=second)
+        scheme=scheme,
+        elastic=elastic.replace(G_0=G_0, G_active=G_active, second=second),
+        surfaces=without_speeds(lowered.surfaces_of(elastic)),
     )
 
 

@@ -62,11 +62,13 @@ def without_surfaces(initial: InitialState) -> InitialState:
     """The start of the same model with all contacts of surfaces open.
 
     Those divide each mode into a part that moves and one that follows its load, which are no
-    vibrations of their own.
+    vibrations of their own. About the given places, for nothing else may hold what rests on them.
     """
     model = initial.lowered.model
     if not model.surface_contacts:
         return initial
+    if model.settings.start == "equilibrium":
+        model = model.with_settings(start="given", steady_rotation=None)
     with warnings.catch_warnings():
         # Nothing steps here: modes that end below the band of a step are right as they are.
         warnings.simplefilter("ignore", StepWarning)

@@ -24,6 +24,8 @@ from ..step.extremes import start_extremes
 from ..step.loads import load_vector
 from ..step.patterns import keep_pattern
 from ..step.second_order import add_curvatures, hardening_energy
+from ..step.surface_motion import rest_on_surfaces
+from ..step.surface_results import total_surfaces
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
 from .equilibrium import check_drives, check_steady, solve_equilibrium
@@ -118,13 +120,14 @@ def initialize(
     closed: tuple[str, ...] = ()
     if in_equilibrium:
         motion = _steady_motion(lowered, continuous)
-        solve_equilibrium(lowered, motion, state, work)
+        at_rest = solve_equilibrium(lowered, motion, state, work)
         check_holding(lowered, state)
         turn_joints(lowered, state, work)
         # Only now the pose is known in which rates must vanish.
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
-        closed = tuple(check_depths_of_surfaces(lowered, state, work))
+        rest_on_surfaces(at_rest, state, work)
+        total_surfaces(at_rest, state, work)
     else:
         evaluate(lowered.system, state, work)
         check_depths(lowered, work)

@@ -27,10 +27,7 @@ def check_depths(lowered: LoweredModel, work: Workspace) -> None:
 
 
 def check_depths_of_surfaces(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[str]:
-    """A line for each contact of surfaces that starts closed; `ModelError` for a deep one.
-
-    For any one in equilibrium, which knows no such contact yet.
-    """
+    """A line for each contact of surfaces that starts closed; `ModelError` for a deep one."""
     if not lowered.model.surface_contacts:
         return
     measure_surfaces(lowered.system, state, work)
@@ -41,11 +38,6 @@ def check_depths_of_surfaces(lowered: LoweredModel, state: State, work: Workspac
         depth = float(-own[np.isfinite(own)].min(initial=0.0))
         if depth <= NOTICEABLE_PENETRATION * size:
             continue
-        if lowered.model.settings.start == "equilibrium":
-            raise contact.error(
-                f"closed in equilibrium, {depth:.6g} m deep: start = 'equilibrium', and linear "
-                "analysis, have no contacts of surfaces: expected one that is open there"
-            )
         radius = float(surfaces.patches.radius[surfaces.contacts.patch[c]])
         if depth > DEEPEST_START * radius:
             raise contact.error(

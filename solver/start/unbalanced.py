@@ -36,6 +36,11 @@ def _causes(lowered: LoweredModel, state: State, work: Workspace) -> Iterator[st
                 f"no joint, spring or contact holds body {names[group[0]]!r}, on which a force of "
                 f"{force:.6g} N is left: it falls freely"
             )
+    if pressed := _pressed(lowered, state):
+        yield (
+            f"{', '.join(pressed)}: closed, but nothing comes to rest there: bodies slide, roll or "
+            "tip over"
+        )
     distance = np.linalg.norm(state.bodies.x - [pose.x for pose in lowered.poses], axis=1)
     farthest = int(np.argmax(distance))
     movable = count_degrees_of_freedom(lowered, state, work) > 0
@@ -82,8 +87,12 @@ def _without_friction(lowered: LoweredModel) -> str:
 def free_groups(system: System) -> list[Index]:
     """Groups of bodies that hang together, by their numbers, without those held by the ground."""
     body, rows = system.frames.body, system.couplings.rows
+    contacts, owner = system.surfaces.contacts, system.surfaces.patches.body
+    met = np.where(contacts.frame >= 0, body[contacts.frame], owner[contacts.target])
+    pairs = {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}
+    pairs |= {*zip(owner[contacts.patch].tolist(), met.tolist(), strict=True)}
     group = np.arange(len(system.bodies.mass) + 1)  # the last one: of the ground, body -1
-    for a, b in {*zip(body[rows.frame_a].tolist(), body[rows.frame_b].tolist(), strict=True)}:
+    for a, b in pairs:
         group[group == group[a]] = group[b]
     free = distinct(group[:-1][group[:-1] != group[-1]])
     return [np.flatnonzero(group[:-1] == number) for number in free]
@@ -95,6 +104,16 @@ def _touching(lowered: LoweredModel, work: Workspace) -> list[str]:
     rows = couplings.range[couplings.contact].tolist()
     closed = [lowered.owner_of(row) for row in rows if work.couplings.scale[row] > 0.0]
     return closed
+
+
+def _pressed(lowered: LoweredModel, state: State) -> list[str]:
+    """Contacts of surfaces that carry a force."""
+    row, force = lowered.system.surfaces.contacts.row, state.surfaces.force
+    return [
+        contact.owner
+        for c, contact in enumerate(lowered.model.surface_contacts)
+        if force[row[c] : row[c + 1]].any()
+    ]
 
 
 def _turned(lowered: LoweredModel, state: State) -> Array:

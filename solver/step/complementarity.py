@@ -44,16 +44,9 @@ def solve_complementarity(
     """
     fewest, patience = n + 1, PATIENT_ITERATIONS
     for _ in range(MAX_CHANGES):
-        count = _order_closed(n, active, order)
-        # From iterate to iterate the closed rows mostly stay the same, and so does their factor.
-        if not _is_factored(n, active, factored):
-            if not _factorize(count, W, order, factor):
-                # Half a factor is none, and must not serve the next call.
-                factored[0] = -1
-                return -1
-            for i in range(n):
-                factored[i] = active[i]
-        _solve_closed(n, count, W, q, active, factor, order, lam, y)
+        count = solve_set(n, W, q, active, factored, factor, order, lam, y)
+        if count < 0:
+            return -1
         violations, last = _violations(n, q, active, lam, y)
         if violations == 0:
             return count
@@ -64,6 +57,35 @@ def solve_complementarity(
             patience -= 1
         _change_sides(n, active, lam, y, last if patience < 0 else -1)
     return -1
+
+
+@compiled
+def solve_set(
+    n: int,
+    W: Array,
+    q: Array,
+    active: Index,
+    factored: Index,
+    factor: Array,
+    order: Index,
+    lam: Array,
+    y: Array,
+) -> int:
+    """Forces and gaps where the closed rows stay closed, and pull where they must; their number.
+
+    -1 where there are none. The arguments are those of `solve_complementarity`.
+    """
+    count = _order_closed(n, active, order)
+    # From iterate to iterate the closed rows mostly stay the same, and so does their factor.
+    if not _is_factored(n, active, factored):
+        if not _factorize(count, W, order, factor):
+            # Half a factor is none, and must not serve the next call.
+            factored[0] = -1
+            return -1
+        for i in range(n):
+            factored[i] = active[i]
+    _solve_closed(n, count, W, q, active, factor, order, lam, y)
+    return count
 
 
 @compiled

@@ -11,7 +11,7 @@ docs/theory.md, Contact of surfaces.
 import math
 
 from ..arrays import Array
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .facing import (
     place_nodes,
@@ -38,7 +38,7 @@ def keep_start(system: System, state: State, work: Workspace) -> None:
         copy(state.surfaces.gap[:n], work.surfaces.gap_n)
 
 
-@compiled
+@entry
 def keep_places(system: System, state: State, work: Workspace) -> None:
     """The nodes of contacts with friction at the start of a step, from where slips are counted."""
     surfaces, out = system.surfaces, work.surfaces
@@ -160,6 +160,37 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
             state.energies.friction[0] -= force * slip
             # Time stepping moves by the mean force of the step.
             state.energies.switching[0] += 0.5 * (out.force_n[i] - force) * slip
+
+
+@entry
+def end_search_step(system: System, state: State, work: Workspace) -> None:
+    """Displacements of nodes that the next step of a search for an equilibrium begins with."""
+    for k in range(len(state.surfaces.u)):
+        for x in range(3):
+            state.surfaces.u[k, x] = work.surfaces.base[k, x] + work.surfaces.by_load[k, x]
+    keep_places(system, state, work)
+
+
+@entry
+def rest_on_surfaces(system: System, state: State, work: Workspace) -> None:
+    """The loads of contacts at the start, which have always acted, move modes and interfaces.
+
+    `system` is that of the search for the equilibrium, and `state` has all other loads.
+    """
+    modes, out = system.elastic.modes, work.surfaces
+    load_modes(system, state, work)
+    for s in range(len(system.surfaces.bodies.flexible)):
+        e = system.surfaces.bodies.flexible[s]
+        for i in range(modes.range[e], modes.range[e + 1]):
+            load, way = state.surfaces.modal_load[i], out.modal_step[i]
+            # Loads of the contacts find the modes displaced by the other ones.
+            stretched = modes.stiffness[i] * state.modes.eta[i]
+            state.energies.modal[0] += (stretched + 0.5 * load) * way
+            state.modes.eta[i] += way
+            out.modal_load_n[i] = load
+    keep_start(system, state, work)
+    finish_surfaces(system, state, work)
+    out.looks[0] = -1
 
 
 @compiled

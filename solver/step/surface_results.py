@@ -2,7 +2,7 @@
 
 import math
 
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .events import end_contact
 from .facing import deformed, slip_row, support_of
@@ -62,6 +62,13 @@ def add_up_surfaces(system: System, state: State, work: Workspace) -> None:
         contacts.peak[k] = max(contacts.peak[k], force)
         contacts.impulse[k] += h * force
         contacts.total_impulse[k] += h * force
+
+
+@entry
+def total_surfaces(system: System, state: State, work: Workspace) -> None:
+    """Totals of all contacts of surfaces at the start of a run."""
+    for c in range(len(system.surfaces.contacts.patch)):
+        _add_up(system, c, state, work)
 
 
 @compiled

@@ -15,7 +15,7 @@ Newton's method converges. Source: docs/theory.md, Contact of surfaces.
 import math
 
 from ..compiler.marks import compiled, entry
-from .complementarity import solve_closed, solve_complementarity
+from .complementarity import solve_closed, solve_complementarity, solve_set
 from .cone import by_law, factorize_law, solve_cone, substitute_law
 from .facing import (
     face_slips,
@@ -49,7 +49,7 @@ LOOKS_PER_STEP = 2
 """iterates of a step at which tangent planes are laid"""
 
 
-@compiled
+@entry
 def await_contacts(system: System, work: Workspace) -> None:
     """The beginning of a step, or of a new search for its end: no plane is known yet."""
     if len(system.surfaces.contacts.patch):
@@ -184,9 +184,10 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         set_gradient(system, m, r, state, work)
         # The rows that were closed before are the guess from which the problem is solved.
         if out.kind[m, r] == 0:
-            out.active[r] = out.closed[out.candidate[m, r]]
+            out.active[r] = int(out.closed[out.candidate[m, r]] > 0)
         else:
-            has_friction = True
+            out.active[r] = out.active[r - 1]
+            has_friction = not out.held[0]
     # New gradients: the same forces of rows are other forces on nodes.
     if looks:
         load_nodes(system, m, state, work)
@@ -201,17 +202,7 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     if has_friction:
         count = _solve_with_friction(system, m, state, work)
     else:
-        count = solve_complementarity(
-            n,
-            out.W[m],
-            out.q,
-            out.active,
-            out.factored[m],
-            out.factor[m],
-            out.order[m],
-            out.lam,
-            out.y,
-        )
+        count = _solve_without_friction(m, n, work)
     for r in range(n):
         i = out.candidate[m, r]
         if out.kind[m, r] == 0:
@@ -223,6 +214,26 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     load_nodes(system, m, state, work)
     push_bodies(system, m, state, work)
     _set_stiffness(system, m, max(count, 0), has_friction, state, work)
+
+
+@compiled
+def _solve_without_friction(m: int, n: int, work: Workspace) -> int:
+    """Forces and gaps of n candidates of island m; see `solve_complementarity`."""
+    out = work.surfaces
+    solve = solve_set if out.held[0] else solve_complementarity
+    return int(
+        solve(
+            n,
+            out.W[m],
+            out.q,
+            out.active,
+            out.factored[m],
+            out.factor[m],
+            out.order[m],
+            out.lam,
+            out.y,
+        )
+    )
 
 
 @compiled

@@ -422,7 +422,8 @@ def test_bodies_that_are_far_sleep():
     )
     assert motion.step(20)
     assert alone.step(20)
-    assert motion.forces == alone.forces
+    # Far bodies have a say in what counts as rounding, and so in the last correction of a step.
+    np.testing.assert_allclose(motion.forces, alone.forces, rtol=1e-10)
     assert motion.work.surfaces.awake.sum() == 2
 
 
@@ -465,21 +466,6 @@ def test_a_small_margin_misses_nothing():
     motion = Motion(model([replace(FLOOR, margin=1e-9)], body=body, step=LONG))
     assert motion.step(4)
     assert motion.forces[-1] > 0.0 or motion.state.bodies.v[0, 2] > 0.0
-
-
-def test_a_contact_that_is_closed_in_equilibrium_is_refused():
-    hinge = Revolute("ground", "block.left", [0.0, 1.0, 0.0], name="hinge")
-    body = FlexibleBody(
-        block(ends=True), Start([0.0, 0.0, 0.5 * EDGE - 1e-6], rotation=[0.0, 0.5 * np.pi, 0.0])
-    )
-    contact = SurfaceContact("floor", ["block.low", "ground"], **PLANE | {"axis": [1.0, 0.0, 0.0]})
-    settings = {"start": "equilibrium"}
-    hung = {"joints": [hinge], "gravity": [0.0, 0.0, -9.81], "settings": settings}
-    with pytest.raises(ModelError, match=r"'floor': closed in equilibrium, 0.004 m deep"):
-        Motion(model([contact], body=body, **hung))
-    away = replace(contact, axis=[-1.0, 0.0, 0.0], surfaces=["block.top", "ground"])
-    with pytest.raises(ModelError, match=r"'floor': closed in equilibrium, 0.004 m deep"):
-        Motion(model([away], body=body, **hung))
 
 
 REFUSED = {

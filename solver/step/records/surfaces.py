@@ -229,6 +229,8 @@ class SurfaceWork(Struct):
 
     looks: Index = array(1)
     """iterates of this step at which tangent planes were laid; -1: contacts do not act yet"""
+    held: Index = array(1)
+    """1: a search for an equilibrium says which rows are closed, and what is closed sticks"""
     near: Index = array("n_contacts")
     """1: the patch may meet the shape in this step"""
     awake: Index = array("n_bodies")
