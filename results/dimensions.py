@@ -32,6 +32,12 @@ DIMENSIONS = {
             "bodies",
             ragged=True,
         ),
+        Dimension(
+            "mode",
+            "modes of bodies whose surfaces are in contact, as BODY.NUMBER",
+            "body_modes",
+            ragged=True,
+        ),
         Dimension("frame", "frames of bodies, as BODY.FRAME", "frames"),
         Dimension("joint", "joints and prescribed motions", "joints"),
         Dimension(

@@ -65,6 +65,15 @@ class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
     )
     """(n, k) force on each second-order coordinate, which is scaled to a length, q / sqrt(mass)
     [N]; k = 0 where a body has none"""
+    modal_coordinate: Array = quantity(
+        ("m", "m"),
+        "coordinate of each mode of a body whose surfaces are in contact, scaled to a length, "
+        "eta / sqrt(mass)",
+        of="mode",
+        plot="",
+    )
+    """(n, k) coordinate of each mode of a body whose surfaces are in contact, scaled to a length,
+    eta / sqrt(mass) [m]; k = 0 where none was recorded"""
 
     @property
     def position(self) -> Array:

@@ -142,6 +142,30 @@ def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
     return np.hstack([np.column_stack(on_inertia), force / np.sqrt(mass)])
 
 
+class RecordedModes:
+    """Modal coordinates (n, m) of a body as a run recorded them; see `ModalSteps`."""
+
+    def __init__(self, eta: Array) -> None:
+        self._eta = eta
+
+    @property
+    def nbytes(self) -> int:
+        return self._eta.nbytes
+
+    @property
+    def n(self) -> int:
+        return len(self._eta)
+
+    def at(self, steps: Index, stress: bool = False) -> Array:
+        # Without chains, which surfaces in contact exclude, stresses have the same coordinates.
+        return self._eta[steps]
+
+    def blocks(self, rows: slice, length: int, stress: bool = False) -> Iterator[tuple[int, Array]]:
+        first, last, _ = rows.indices(self.n)
+        for start in range(first, last, length):
+            yield start, self._eta[start : min(start + length, last)]
+
+
 class ModalSteps:
     """Modal coordinates of a body at the steps of a run, from one pass over them.
 

@@ -43,6 +43,7 @@ from .recovery import (
     STARTS_AT_REST,
     Instants,
     ModalSteps,
+    RecordedModes,
     in_space,
     instants,
     interface_loads,
@@ -86,7 +87,7 @@ class Results:
     ) -> None:
         self._source = source
         self._superelements = dict(superelements or {})
-        self._made_steps: dict[str, tuple[Superelement, ModalSteps]] = {}
+        self._made_steps: dict[str, tuple[Superelement, ModalSteps | RecordedModes]] = {}
         self._made_extremes: dict[tuple[str, str, int, int], Extremes] = {}
 
     @classmethod
@@ -483,11 +484,6 @@ class Results:
         return self._recover(body, t)[:2]
 
     def _checked_recovery(self, body: str) -> tuple[Superelement, Recovery, Modes]:
-        if body in self.pressed:
-            raise RecoveryError(
-                f"body {body!r}: its surfaces are in contact: fields need all loads, and results "
-                "do not hold those of contacts on modes"
-            )
         element = self.superelement(body)
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
@@ -505,7 +501,7 @@ class Results:
         steps = np.append(when.before, when.after)
         return recovery, when.of(*np.split(modal.at(steps, stress), 2)), when
 
-    def _modal_steps(self, body: str) -> tuple[Recovery, ModalSteps]:
+    def _modal_steps(self, body: str) -> tuple[Recovery, ModalSteps | RecordedModes]:
         """The recovery of a body, and its modal coordinates at all steps, which are kept.
 
         They are made again where more was recorded since, or another superelement is given.
@@ -514,8 +510,7 @@ class Results:
         time = self.time
         made = self._made_steps.get(body)
         if made is None or made[0] is not element or made[1].n != len(time):
-            run = stepping(self._source.name, self.solver, time)
-            made = element, ModalSteps(*self._loads(body, element, of_element), run)
+            made = element, self._stepped(body, element, of_element)
             if (
                 sum(steps.nbytes for _, steps in (made, *self._made_steps.values()))
                 > MAX_KEPT_MODAL_BYTES
@@ -543,6 +538,15 @@ class Results:
             blocks = modal.blocks(slice(first, last), MODAL_BLOCK_STEPS, stress)
             self._made_extremes[key] = extremes(Field(shapes, LENGTH_OF_FIELD[name]), blocks)
         return self._made_extremes[key]
+
+    def _stepped(
+        self, body: str, element: Superelement, modes: Modes
+    ) -> ModalSteps | RecordedModes:
+        """The modal coordinates of a body: recorded ones, where contacts load it."""
+        if body in self.pressed:
+            return RecordedModes(self.body(body).modal_coordinate * np.sqrt(element.mass))
+        run = stepping(self._source.name, self.solver, self.time)
+        return ModalSteps(*self._loads(body, element, modes), run)
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
         """The loads that drove a body (n, n_dofs), and its modes with the rows that they act on."""
@@ -583,6 +587,9 @@ class Results:
         return frozenset(body for body, _, _ in self.pressed_surfaces)
 
     def _check_recoverable(self, body: str, element: Superelement) -> None:
+        if body in self.pressed:
+            self._check_modes(body, element)
+            return
         if (every := int(self.solver.get("every", 1))) > 1:
             raise RecoveryError(
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
@@ -598,6 +605,17 @@ class Results:
         if missing := [name for name in needed if name not in recorded]:
             raise RecoveryError(
                 f"body {body!r}: fields need {', '.join(missing)}, which the run did not record"
+            )
+
+    def _check_modes(self, body: str, element: Superelement) -> None:
+        """`RecoveryError` where a run recorded no modes of a body whose surfaces are in contact."""
+        assert element.modes is not None
+        is_there = f"bodies/{body}" in self.recorded
+        found = self.body(body).modal_coordinate.shape[1] if is_there else 0
+        if found != (expected := len(element.modes.omega)):
+            raise RecoveryError(
+                f"body {body!r}: its surfaces are in contact: fields need its {expected} modal "
+                f"coordinates, and the run recorded {found}: expected [output] modes = true"
             )
 
     def _names(self, dimension: str) -> tuple[str, ...]:

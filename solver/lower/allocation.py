@@ -6,7 +6,7 @@ from ..history.dyadic import Window
 from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
-from .surfaces import NO_KEPT_NODES, sizes_of_kept_nodes, sizes_of_surfaces
+from .surfaces import sizes_of_kept, sizes_of_surfaces
 
 # contacts that can end before the time loop hands them over, and one more of each
 EVENT_CAPACITY = 256
@@ -89,6 +89,5 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
 
 def make_output(lowered: LoweredModel, n: int) -> Output:
     """Arrays for n rows of output."""
-    nodes = lowered.model.settings.output.nodes
-    kept = sizes_of_kept_nodes(lowered.system.surfaces) if nodes else NO_KEPT_NODES
+    kept = sizes_of_kept(lowered.system.surfaces, lowered.model.settings.output)
     return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), **kept, "n": n})

@@ -11,8 +11,9 @@ from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError
 from ..history.layout import Stepping
 from ..history.packing import packed
-from ..history.shares import shares_of
+from ..history.shares import Shares, shares_of
 from ..model.model import Model
+from ..model.output_request import OutputRequest
 from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
 from .numbering import NumberedFrames, carrier_name
@@ -151,6 +152,11 @@ def _lay_out_bodies(
     spread = _spread_loads(model, layout, motions)
     spread_start = np.cumsum([0, *(0 if own is None else len(own) for own in spread)])[:-1]
     spread_start[[own is None for own in spread]] = -1
+    n_m = len(elastic.modes.stiffness)
+    mode, share = np.zeros(n_m, dtype=np.int64), np.zeros(n_m)
+    for motion, e in zip(motions, numbers, strict=True):
+        split = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
+        mode[split], share[split] = motion.shares.source, motion.shares.factor
     phi, phi_start = packed([motion.phi for motion in motions], owners)
     T, T_start = packed([motion.T for motion in motions], owners)
     G, G_start = packed([motion.G for motion in motions], owners)
@@ -168,6 +174,9 @@ def _lay_out_bodies(
         G=G,
         G_start=G_start,
         reach=np.array([motion.reach for motion in motions], dtype=np.float64),
+        mode_range=starts(motion.n_modes for motion in motions),
+        mode=as_index(mode),
+        share=share,
         spread=np.concatenate([np.empty(0), *(own for own in spread if own is not None)]),
         spread_start=as_index(spread_start),
         spread_reach=np.array(
@@ -205,6 +214,8 @@ class _Motion:
     G: Array
     B: Array
     reach: float
+    shares: Shares
+    n_modes: int
 
 
 def _motion(
@@ -225,7 +236,8 @@ def _motion(
     # What no mode of the file has follows the forces at once.
     residual = surfaces.H[np.ix_(dofs, dofs)] - (shapes / modes.omega**2) @ shapes.T
     # By the shortest step: long steps between contacts go on with the same modes.
-    phi = shares_of(element, stepping.shortest).shapes(shapes)
+    shares = shares_of(element, stepping.shortest)
+    phi = shares.shapes(shapes)
     own = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
     h, beta = stepping.h, stepping.scheme.beta
     per_mode = beta * h * h / elastic.modes.step_stiffness[own]
@@ -251,7 +263,7 @@ def _motion(
     squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
     reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
     # Symmetric to the last bit: the loop reads rows of G as columns.
-    return _Motion(phi, T, 0.5 * (G + G.T), B, reach)
+    return _Motion(phi, T, 0.5 * (G + G.T), B, reach, shares, len(modes.omega))
 
 
 def _lay_out_contacts(
@@ -353,13 +365,14 @@ def _places_of_others(layout: SurfaceLayout) -> list[list[int]]:
     return numbers
 
 
-NO_KEPT_NODES = {"n_kept_rows": 0, "n_kept_nodes": 0}
-
-
-def sizes_of_kept_nodes(surfaces: Surfaces) -> Mapping[str, int]:
-    """The dimensions of results of all rows and nodes of contacts of surfaces."""
+def sizes_of_kept(surfaces: Surfaces, request: OutputRequest) -> Mapping[str, int]:
+    """The dimensions of results of all rows and nodes of contacts, and of modes of their bodies."""
     nodes = np.diff(surfaces.patches.node)[surfaces.contacts.patch]
-    return {"n_kept_rows": int(surfaces.contacts.row[-1]), "n_kept_nodes": int(nodes.sum())}
+    return {
+        "n_kept_rows": int(surfaces.contacts.row[-1]) * request.nodes,
+        "n_kept_nodes": int(nodes.sum()) * request.nodes,
+        "n_kept_modes": int(surfaces.bodies.mode_range[-1]) * request.modes,
+    }
 
 
 def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:

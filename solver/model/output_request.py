@@ -7,7 +7,9 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import Count, Words
 
-ALWAYS_RECORDED, NODES = "solver", "surface_nodes"
+ALWAYS_RECORDED = "solver"
+ON_REQUEST = {"surface_nodes": ("nodes", "surface_contacts"), "body_modes": ("modes", "bodies")}
+"""groups that are recorded where a key says so, this key, and the group of their owners"""
 
 
 @entry(eq=True)
@@ -27,6 +29,8 @@ class OutputRequest(Entry):
     nodes : bool
         Of contacts of surfaces also the pressure, gap and displacement of every node, which are
         many numbers.
+    modes : bool
+        Of bodies whose surfaces are in contact also the coordinates of modes, which fields need.
 
     Examples
     --------
@@ -39,15 +43,18 @@ class OutputRequest(Entry):
     every: Count = 1
     quantities: Words | None = None
     nodes: bool = False
+    modes: bool = False
 
     def selects(self, group: str) -> bool:
         """True for a group such as "frames/beam.tip" that is recorded.
 
-        By its own name or by that of its kind, "frames"; nodes of contacts by those of the contact.
+        By its own name or by that of its kind, "frames"; nodes of contacts by those of the contact,
+        and modes by those of the body.
         """
         kind, _, owner = group.partition("/")
-        if kind == NODES:
-            return self.nodes and self.selects(f"surface_contacts/{owner}")
+        if kind in ON_REQUEST:
+            key, group = ON_REQUEST[kind]
+            return bool(getattr(self, key)) and self.selects(f"{group}/{owner}")
         return (
             group == ALWAYS_RECORDED
             or self.quantities is None

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
+import numpy as np
+
 from ...inputs.errors import did_you_mean
 from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
 from ...results.dimensions import Axis
@@ -74,7 +76,7 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
 
 
 def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
-    """The entries of contacts of surfaces, of their rows and of the nodes of first surfaces."""
+    """The entries of contacts of surfaces, their rows, nodes of first surfaces, and modes."""
     rows: list[str] = []
     nodes: list[str] = []
     for contact in lowered.model.surface_contacts:
@@ -83,11 +85,18 @@ def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
         rows += [f"{contact.name}.{i + 1}" for i in surface.corner_nodes.tolist()]
         nodes += [f"{contact.name}.{i + 1}" for i in range(surface.n)]
     names = [contact.name for contact in lowered.model.surface_contacts]
+    surfaces = lowered.system.surfaces.bodies
+    modes = [
+        f"{lowered.body_names[int(lowered.system.elastic.body[e])]}.{i + 1}"
+        for e, n in zip(surfaces.flexible.tolist(), np.diff(surfaces.mode_range), strict=True)
+        for i in range(int(n))
+    ]
     return {
         "surface_contact": _axis(list(enumerate(names))),
         # False for each: gaps and displacements are lengths.
         "surface_row": _axis(list(enumerate(rows)), [False] * len(rows)),
         "surface_node": _axis(list(enumerate(nodes)), [False] * len(nodes)),
+        "mode": _axis(list(enumerate(modes)), [False] * len(modes)),
     }
 
 

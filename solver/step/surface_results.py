@@ -224,3 +224,20 @@ def record_surfaces(system: System, state: State, work: Workspace, output: Outpu
                     u = totals.u[j, x] if awake else math.nan
                     output.surface_node_displacement[k, node, x] = u
                 node += 1
+    if len(output.body_modal_coordinate[k]) > 0:
+        _record_modes(system, state, output, k)
+
+
+@compiled
+def _record_modes(system: System, state: State, output: Output, k: int) -> None:
+    """Coordinates of the modes of bodies of surfaces: the sums of those of their shares."""
+    bodies, modes = system.surfaces.bodies, system.elastic.modes
+    output.body_modal_coordinate[k, :] = 0.0
+    for s in range(len(bodies.flexible)):
+        e = bodies.flexible[s]
+        for i in range(modes.range[e], modes.range[e + 1]):
+            # A mode is split where one part of it moves and the rest follows its load.
+            column = bodies.mode_range[s] + bodies.mode[i]
+            part = bodies.share[i] * state.modes.eta[i]
+            mass = system.bodies.mass[system.elastic.body[e]]
+            output.body_modal_coordinate[k, column] += part / math.sqrt(mass)

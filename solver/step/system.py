@@ -146,6 +146,7 @@ DIMENSIONS_OF_RESULTS: dict[str, int | str] = {
     "surface_contact": "n_contacts",
     "surface_row": "n_kept_rows",
     "surface_node": "n_kept_nodes",
+    "mode": "n_kept_modes",
 }
 """dimensions of results as dimensions of a step"""
 

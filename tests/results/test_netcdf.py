@@ -32,6 +32,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "quaternion": 4,
             "body": 2,
             "second_order_coordinate": 3,
+            "mode": 5,
             "frame": 2,
             "joint": 3,
             "joint_constraint": 5,

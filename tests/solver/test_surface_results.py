@@ -9,6 +9,7 @@ from duhamel.preprocess import PlausibilityWarning
 from duhamel.results import ExportError, RecoveryError, ResultsError, peaks, write_csv
 from duhamel.results.exports.loads import load_set
 from duhamel.solver import ModelError, OutputRequest, ValidityWarning
+from duhamel.superelement import von_mises
 
 from ..surface_bodies import dome
 
@@ -239,20 +240,47 @@ def test_an_unknown_surface_lists_those_of_the_body(element):
         _ = body["tip"]
 
 
-def test_fields_of_modes_are_refused_where_contacts_press():
-    """The modes of a body do not follow from the loads on its interfaces alone."""
+@pytest.fixture(scope="module")
+def recovered():
+    """A dome with stresses and the interface `back` at its upper end."""
     part = dome(2e-4, 3, 3, 5e-4)
+    part.interface("back", du.plane(z=0.008))
     part.recover(stress=True)
     with pytest.warns(PlausibilityWarning, match="nodes in the shortest wave"):
-        pressed = part.superelement(step=STEP, band=4e5)
-    results = drop(pressed).simulate(5e-6, STEP).results
+        return part.superelement(step=STEP, band=4e5)
+
+
+def test_fields_need_the_modes_of_a_run_where_contacts_press(recovered):
+    """The modes of a body do not follow from the loads on its interfaces alone."""
+    results = drop(recovered).simulate(5e-6, STEP).results
     assert results.pressed_surfaces == (("dome", "dome", "floor"),)
-    with pytest.raises(RecoveryError, match="body 'dome': its surfaces are in contact"):
+    with pytest.raises(
+        RecoveryError, match=r"needs? its \d+ modal coordinates, and the run recorded"
+    ):
         results.von_mises("dome", 0.0)
-    assert results.outline_source("dome") == "rigid"
+    assert results.outline_source("dome") == "interfaces"
     assert "surfaces are in contact" in results.outline_remark("dome")
     with pytest.raises(ExportError, match="its surfaces are in contact"):
         load_set(results, "dome", "worst")
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_modes_of_a_run_have_the_motion_of_interfaces_and_fields(recovered, every):
+    request = OutputRequest(every=every, modes=True)
+    results = drop(recovered, height=1e-6).simulate(1e-5, STEP, record=request).results
+    eta = results.body("dome").modal_coordinate * np.sqrt(recovered.mass)
+    u = results.frame("dome.back").u
+    assert results.contact("floor").normal_force.max() > 0.0
+    assert eta.shape == (len(results.time), len(recovered.modes.omega))
+    np.testing.assert_allclose(
+        eta @ recovered.modes.phi[:6].T, u, rtol=1e-9, atol=1e-12 * np.abs(u).max()
+    )
+    t = results.time[[1, -1]]
+    stress = von_mises(np.einsum("pcm,tm->tpc", recovered.recovery.stress, eta))
+    np.testing.assert_allclose(results.von_mises("dome", t), stress[[1, -1]], rtol=1e-9)
+    assert results.outline_source("dome") == "recovery"
+    largest = results.field_extremes("dome", "von_mises")
+    assert largest.largest == pytest.approx(stress.max())
 
 
 def test_energy_of_rows_that_close_and_open_is_counted(element):

@@ -119,6 +119,12 @@ class SurfaceBodies(Struct):
     """first entry of each body in `G`"""
     reach: Array = array("n_bodies")
     """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
+    mode_range: Index = array("n_bodies_1")
+    """first mode of each body in results"""
+    mode: Index = array("n_m")
+    """mode of its body that each mode is a share of, of bodies of surfaces alone"""
+    share: Array = array("n_m")
+    """this share: its coordinate times the share is a part of that of the mode"""
     spread: Array = array("n")
     """B: displacements (3 n,) by each load pattern at amplitude 1, with the active dofs held"""
     spread_start: Index = array("n_t")
