@@ -263,7 +263,7 @@ def _motion(
     squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
     reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
     # Symmetric to the last bit: the loop reads rows of G as columns.
-    return _Motion(phi, T, 0.5 * (G + G.T), B, reach, shares, len(modes.omega))
+    return _Motion(shapes, T, 0.5 * (G + G.T), B, reach, shares, len(modes.omega))
 
 
 def _lay_out_contacts(
@@ -403,6 +403,7 @@ def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
         "n_most_rows": max((int(rows[own].sum()) for own in members), default=0),
         "n_most_coordinates": int(contacts.coordinates.max(initial=0)),
         "n_stiffness": int((contacts.coordinates**2).sum()),
+        "n_body_modes": int(bodies.mode_range[-1]),
         "n_most_displacements": 3 * int(np.diff(bodies.node).max(initial=0)),
     }
 

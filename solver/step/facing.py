@@ -24,6 +24,8 @@ MAX_CONDITION = 1e3
 """condition of M, scaled by its diagonal, above which psi is L"""
 MAX_COMPONENT = 0.9
 """component of a normal above which tangents are not taken from this axis"""
+BENDS_OF_GAP = 4.0
+"""bends of the gap over a facet that the gap of a row may be below that of its node"""
 FACETS_AROUND = 3.0
 """radii of a facet, beyond the margin, within which it is looked at"""
 
@@ -99,12 +101,15 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
     p, t = contacts.patch[c], contacts.target[c]
     if t >= 0:
         shape_target(facets, t, out.place, out)
+    else:
+        _find_far_facets(surfaces, c, margin, work)
     per, n_nodes = facets.points[p], facets.n_nodes[p]
     for f in range(facets.range[p], facets.range[p + 1]):
-        center, radius = _sphere(surfaces, p, f, work)
-        below, distance = _seek(surfaces, c, f, center, radius, work)
-        first = (f - facets.range[p]) * per
-        out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
+        below, first = 0, (f - facets.range[p]) * per
+        if t >= 0:
+            center, radius = _sphere(surfaces, p, f, work)
+            below, distance = _seek(surfaces, c, f, center, radius, work)
+            out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
         # What is not covered must not keep the weights of another contact.
         for q in range(first, first + per):
             for z in range(4):
@@ -119,6 +124,59 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
                 y = add(y, scale(N, row(out.place, facets.nodes[f, z])))
             covered += int(_look(surfaces, c, q, y, below, work))
         _weigh(surfaces, p, f, first, covered, work)
+
+
+@compiled
+def _find_far_facets(surfaces: Surfaces, c: int, margin: float, work: Workspace) -> None:
+    """Facets none of whose rows can have a gap below the margin, by the gaps of nodes from a shape.
+
+    Dual functions make the gap of a row that of its node where gaps are linear over the facets
+    around it; it differs by as much as gaps are bent there.
+    """
+    facets, patches, out = surfaces.facets, surfaces.patches, work.surfaces
+    p = surfaces.contacts.patch[c]
+    shift = surfaces.contacts.row[c] - patches.row[p]
+    for k in range(patches.node[p], patches.node[p + 1]):
+        out.node_gap[k], _, _ = distance_from_shape(surfaces, c, row(out.place, k))
+    for i in range(patches.row[p], patches.row[p + 1]):
+        out.row_gap[i + shift] = math.inf
+    for f in range(facets.range[p], facets.range[p + 1]):
+        bend = BENDS_OF_GAP * _bend_of_gap(surfaces, c, f, work)
+        for z in range(facets.corners[p]):
+            i = facets.rows[f, z] + shift
+            out.row_gap[i] = min(out.row_gap[i], out.node_gap[facets.nodes[f, z]] - bend)
+    # A row needs all facets around it, those of near ones too that are far themselves.
+    for f in range(facets.range[p], facets.range[p + 1]):
+        out.is_far[f] = 1
+        for z in range(facets.corners[p]):
+            i = facets.rows[f, z] + shift
+            # Also where it is no number, which must not pass for far.
+            if out.closed[i] or not out.row_gap[i] > margin:
+                out.is_far[f] = 0
+
+
+@compiled
+def _bend_of_gap(surfaces: Surfaces, c: int, f: int, work: Workspace) -> float:
+    """The largest difference, over facet f, of the gap from a linear one between its corners.
+
+    At its center, which a curved target bends, and at its middle nodes, which a curved facet does.
+    """
+    facets, out = surfaces.facets, work.surfaces
+    p = surfaces.contacts.patch[c]
+    n, nodes = facets.corners[p], facets.nodes[f]
+    center, mean = (0.0, 0.0, 0.0), 0.0
+    for z in range(n):
+        center = add(center, scale(1.0 / n, row(out.place, nodes[z])))
+        mean += out.node_gap[nodes[z]] / n
+    gap, _, _ = distance_from_shape(surfaces, c, center)
+    bend = abs(gap - mean)
+    for z in range(n, facets.n_nodes[p]):
+        between = mean  # of the node in the middle of the facet
+        if z < 2 * n:
+            first, second = nodes[z - n], nodes[(z - n + 1) % n]
+            between = 0.5 * (out.node_gap[first] + out.node_gap[second])
+        bend = max(bend, abs(out.node_gap[nodes[z]] - between))
+    return bend
 
 
 @compiled
@@ -143,9 +201,6 @@ def _seek(
     radius: of a sphere around facet f.
     """
     facets, out, t = surfaces.facets, work.surfaces, surfaces.contacts.target[c]
-    if t < 0:
-        distance, _, _ = distance_from_shape(surfaces, c, center)
-        return 0, distance
     # Facets that begin beyond the end of another one cannot be nearest to a point of facet f.
     least, farthest = math.inf, math.inf
     for m in range(facets.range[t], facets.range[t + 1]):

@@ -47,11 +47,13 @@ def keep_places(system: System, state: State, work: Workspace) -> None:
         return
     move_frames(system.frames, system.frames.n_acting, state, work)
     for s in range(len(surfaces.bodies.flexible)):
+        if not out.awake[s]:
+            add_up_modes(system, s, state, work)
         for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
             for x in range(3):
                 out.by_load[k, x] = 0.0
                 # Nothing presses a body that sleeps: its modes alone move it.
-                u = state.surfaces.u[k, x] if out.awake[s] else _by_modes(system, s, k, x, state)
+                u = state.surfaces.u[k, x] if out.awake[s] else _by_modes(system, s, k, x, work)
                 out.base[k, x] = u
     for c in range(len(contacts.patch)):
         if contacts.slip_row[c] < 0:
@@ -105,6 +107,9 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
         load = state.surfaces.modal_load[begin:end]
         copy(load, out.modal_load_n[begin:end])
         load[:] = 0.0
+        first_mode, last_mode = surfaces.bodies.mode_range[s], surfaces.bodies.mode_range[s + 1]
+        whole, n_modes = out.mode[first_mode:last_mode], last_mode - first_mode
+        whole[:] = 0.0
         out.modal_step[begin:end] = 0.0
         first, start = surfaces.bodies.node[s], surfaces.bodies.phi_start[s]
         loaded = False
@@ -113,13 +118,15 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
                 f = state.surfaces.load[k, x]
                 if f != 0.0:
                     loaded = True
-                    place = start + (3 * (k - first) + x) * m
-                    phi = surfaces.bodies.phi[place : place + m]
-                    for i in range(m):
-                        load[i] += phi[i] * f
+                    place = start + (3 * (k - first) + x) * n_modes
+                    phi = surfaces.bodies.phi[place : place + n_modes]
+                    for i in range(n_modes):
+                        whole[i] += phi[i] * f
         if not loaded:
             continue
         for i in range(m):
+            share = surfaces.bodies.share[begin + i]
+            load[i] = share * whole[surfaces.bodies.mode[begin + i]]
             work.modes.load[begin + i] += load[i]
             step = scheme.beta * scheme.h * scheme.h / modes.step_stiffness[begin + i]
             out.modal_step[begin + i] = step * load[i]
@@ -231,19 +238,30 @@ def wake(system: System, s: int, state: State, work: Workspace) -> None:
         return
     # In flight nothing of this is computed: a surface that is far costs a distance.
     work.surfaces.awake[s] = 1
+    add_up_modes(system, s, state, work)
     for k in range(bodies.node[s], bodies.node[s + 1]):
         for x in range(3):
-            work.surfaces.free[k, x] = _by_modes(system, s, k, x, state)
+            work.surfaces.free[k, x] = _by_modes(system, s, k, x, work)
 
 
 @compiled
-def _by_modes(system: System, s: int, k: int, x: int, state: State) -> float:
-    """phi eta of node k of body s along axis x."""
+def add_up_modes(system: System, s: int, state: State, work: Workspace) -> None:
+    """Coordinates of the modes of body s: the sums of those of their shares."""
     bodies, modes = system.surfaces.bodies, system.elastic.modes
-    e = bodies.flexible[s]
-    begin, end = modes.range[e], modes.range[e + 1]
+    e, first = bodies.flexible[s], bodies.mode_range[s]
+    for j in range(first, bodies.mode_range[s + 1]):
+        work.surfaces.mode[j] = 0.0
+    for i in range(modes.range[e], modes.range[e + 1]):
+        work.surfaces.mode[first + bodies.mode[i]] += bodies.share[i] * state.modes.eta[i]
+
+
+@compiled
+def _by_modes(system: System, s: int, k: int, x: int, work: Workspace) -> float:
+    """phi eta of node k of body s along axis x; see `add_up_modes`."""
+    bodies = system.surfaces.bodies
+    begin, end = bodies.mode_range[s], bodies.mode_range[s + 1]
     place = bodies.phi_start[s] + (3 * (k - bodies.node[s]) + x) * (end - begin)
-    return inner(bodies.phi[place : place + end - begin], state.modes.eta[begin:end])
+    return inner(bodies.phi[place : place + end - begin], work.surfaces.mode[begin:end])
 
 
 @compiled

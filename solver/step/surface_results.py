@@ -6,6 +6,7 @@ from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .events import end_contact
 from .facing import deformed, slip_row, support_of
+from .surface_motion import add_up_modes
 from .system import Output, State, System, Workspace
 from .vectors import (
     Vector,
@@ -225,19 +226,15 @@ def record_surfaces(system: System, state: State, work: Workspace, output: Outpu
                     output.surface_node_displacement[k, node, x] = u
                 node += 1
     if len(output.body_modal_coordinate[k]) > 0:
-        _record_modes(system, state, output, k)
+        _record_modes(system, state, work, output, k)
 
 
 @compiled
-def _record_modes(system: System, state: State, output: Output, k: int) -> None:
-    """Coordinates of the modes of bodies of surfaces: the sums of those of their shares."""
-    bodies, modes = system.surfaces.bodies, system.elastic.modes
-    output.body_modal_coordinate[k, :] = 0.0
+def _record_modes(system: System, state: State, work: Workspace, output: Output, k: int) -> None:
+    """Coordinates of the modes of bodies of surfaces, scaled to lengths."""
+    bodies = system.surfaces.bodies
     for s in range(len(bodies.flexible)):
-        e = bodies.flexible[s]
-        for i in range(modes.range[e], modes.range[e + 1]):
-            # A mode is split where one part of it moves and the rest follows its load.
-            column = bodies.mode_range[s] + bodies.mode[i]
-            part = bodies.share[i] * state.modes.eta[i]
-            mass = system.bodies.mass[system.elastic.body[e]]
-            output.body_modal_coordinate[k, column] += part / math.sqrt(mass)
+        add_up_modes(system, s, state, work)
+        mass = system.bodies.mass[system.elastic.body[bodies.flexible[s]]]
+        for j in range(bodies.mode_range[s], bodies.mode_range[s + 1]):
+            output.body_modal_coordinate[k, j] = work.surfaces.mode[j] / math.sqrt(mass)

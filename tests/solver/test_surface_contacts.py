@@ -36,9 +36,10 @@ from duhamel.solver.step.facets import (
     shape_target,
     walk_to_foot,
 )
+from duhamel.solver.step.facing import look_at_target, set_row_gaps
 from duhamel.solver.step.frames import move_frames
 from duhamel.solver.step.loop import is_contact_near
-from duhamel.solver.step.surfaces import press_surfaces
+from duhamel.solver.step.surfaces import measure_surfaces, press_surfaces
 from duhamel.superelement import Channels, Pattern
 from scipy.spatial.transform import Rotation
 
@@ -761,3 +762,31 @@ def test_what_is_near_goes_by_the_parts_of_a_surface():
         state.bodies.R[0] = rotation
         assert is_near_at(1e-9)
         assert not is_near_at(2.0 * radius)
+
+
+@pytest.mark.parametrize("shape", ["plane", "sphere", "hollow sphere"])
+def test_rows_of_far_facets_are_those_with_gaps_beyond_the_margin(shape):
+    """Beside the rows that all facets give."""
+    target = {
+        "plane": PLANE,
+        "sphere": {"shape": "sphere", "radius": 0.02},
+        "hollow sphere": {"shape": "sphere", "radius": 0.02, "hollow": True},
+    }[shape]
+    height = {"plane": 0.0, "sphere": 0.02, "hollow sphere": -0.02}[shape]
+    contact = SurfaceContact("floor", ["block.low", "ground"], **target)
+    start = {"position": [1e-3, 2e-3, height + EDGE], "rotation": [0.05, -0.03, 0.4]}
+    motion = Motion(model([contact], body=falling(block(6), **start), step=LONG))
+    system, state, work = motion.system, motion.state, motion.work
+    for _ in range(5):  # down to a gap of 10 um
+        measure_surfaces(system, state, work)
+        state.bodies.x[0, 2] -= np.nanmin(state.surfaces.gap) - 1e-5
+        move_frames(system.frames, system.frames.n_acting, state, work)
+    measure_surfaces(system, state, work)
+    every, unknown = state.surfaces.gap.copy(), []
+    for margin in (0.0, 5e-5, 2e-4):
+        look_at_target(system, 0, margin, work)
+        set_row_gaps(system.surfaces, 0, state, work)
+        near = every < margin
+        np.testing.assert_allclose(state.surfaces.gap[near], every[near], rtol=1e-12)
+        unknown.append(int(np.isnan(state.surfaces.gap).sum()))
+    assert unknown[0] > unknown[-1]

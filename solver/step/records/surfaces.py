@@ -106,7 +106,8 @@ class SurfaceBodies(Struct):
     node: Index = array("n_bodies_1")
     """first node of each"""
     phi: Array = array("n")
-    """mode shapes (3 n, m) at the nodes, one body after the other; bodies may share one"""
+    """shapes (3 n, m) at the nodes of the modes of files, not split into shares, one body after the
+    other; bodies may share one"""
     phi_start: Index = array("n_bodies")
     """first entry of each body in `phi`"""
     T: Array = array("n")
@@ -120,7 +121,7 @@ class SurfaceBodies(Struct):
     reach: Array = array("n_bodies")
     """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
     mode_range: Index = array("n_bodies_1")
-    """first mode of each body in results"""
+    """first mode of each body in results, and in `SurfaceWork.mode`"""
     mode: Index = array("n_m")
     """mode of its body that each mode is a share of, of bodies of surfaces alone"""
     share: Array = array("n_m")
@@ -251,6 +252,8 @@ class SurfaceWork(Struct):
     """their gaps there [m]"""
     modal_load_n: Array = array("n_m")
     """loads of contacts on the modes at the start of the step"""
+    mode: Array = array("n_body_modes")
+    """coordinates of the modes of files, sums of those of their shares, or loads on them"""
     modal_step: Array = array("n_m")
     """modal coordinates that the loads of contacts cause within the step"""
     free: Array = array("n_nodes", 3)
@@ -300,6 +303,10 @@ class SurfaceWork(Struct):
     """gaps of the points [m]"""
     weight: Array = array("n_most_points", 4)
     """w psi of the corners of the facet of each point, 0 where it is not covered [m^2]"""
+    node_gap: Array = array("n_nodes")
+    """distances of the nodes of one contact from its shape [m]"""
+    row_gap: Array = array("n_contact_rows")
+    """bounds from below of the gaps of its rows [m]"""
     is_far: Index = array("n_facets")
     """1: the facet is too far from its target to be looked at"""
     M: Array = array(4, 8)
