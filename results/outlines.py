@@ -2,24 +2,27 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
+from scipy.sparse import csr_array
 
-from ..files.arrays import Array
-from ..superelement import Outline, Recovery, Superelement, SuperelementError
+from ..files.arrays import Array, Index
+from ..superelement import Outline, Recovery, SuperelementError
 from ..superelement.figures import box
+from . import pressed
 from .blend import Blend
 from .contents import SuperelementFile
 from .errors import RecoveryError, ResultsError
 from .motion import BodyMotion, FrameMotion
+from .pressed import rows_of_outline
 from .recovery import in_space, instants
 from .rotations import inverse
 from .space import Place, Space
 
 Source = Literal["rigid", "recovery", "interfaces"]
-OUTLINE_FIELDS = ("displacement", "velocity", "von_mises")
+OUTLINE_FIELDS = ("displacement", "velocity", "von_mises", "pressure")
 # 256 MiB: views go back and forth in time, and reading the motion again is slower.
 MAX_KEPT_MOTION_BYTES = 1 << 28
 # Relative to the size of a body.
@@ -28,13 +31,11 @@ RELATIVE_COORDINATE_ROUNDING = 1e-9
 RELATIVE_PLACEHOLDER_EDGE = 0.05
 
 
-class Run(Protocol):
+class Run(pressed.Run, Protocol):
     """What `Results` say of a run."""
 
     @property
     def time(self) -> Array: ...
-    @property
-    def bodies(self) -> tuple[str, ...]: ...
     @property
     def frames(self) -> tuple[str, ...]: ...
     @property
@@ -43,10 +44,10 @@ class Run(Protocol):
     def superelement_files(self) -> Mapping[str, SuperelementFile]: ...
     def body(self, name: str) -> BodyMotion: ...
     def frame(self, name: str) -> FrameMotion: ...
-    def superelement(self, body: str) -> Superelement: ...
     def recoverable(self, body: str) -> Recovery: ...
     def modal_state(self, body: str, t: Array) -> tuple[Recovery, Array]: ...
     def von_mises(self, body: str, t: Any) -> Array: ...
+    def variable(self, name: str, rows: slice, owner: str) -> Array: ...
 
 
 class Motion(NamedTuple):
@@ -79,6 +80,7 @@ class Outlines:
         self._sources: dict[str, Source] = {}
         self._motions: dict[str, Motion] = {}
         self._refused: dict[str, str] = {}
+        self._rows: dict[str, dict[str, csr_array]] = {}
 
     @cached_property
     def _time(self) -> Array:
@@ -143,6 +145,8 @@ class Outlines:
             return np.asarray(np.linalg.norm(self.velocity(body, t), axis=-1))
         if name == "von_mises":
             return self._von_mises(body, t)
+        if name == "pressure":
+            return self._pressure(body, t)
         raise RecoveryError(f"field {name!r}: expected one of {', '.join(OUTLINE_FIELDS)}")
 
     def place(self, body: str, point: int) -> Place:
@@ -267,6 +271,24 @@ class Outlines:
         if not outline.fits(self._results.recoverable(body)):
             raise RecoveryError(f"body {body!r}: its recovery is not at the points of its outline")
         return stresses
+
+    def _pressure(self, body: str, t: Any) -> Array:
+        """That of contacts of surfaces on its nodes, 0 elsewhere."""
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        if body not in self._rows:
+            self._rows[body] = rows_of_outline(self._results, body, self.at_rest(body))
+        when = instants(self._time, times)
+        total = np.zeros((len(times), len(self.at_rest(body).points)))
+        for contact, by_rows in self._rows[body].items():
+            before, after = (
+                self._pressures_of_rows(contact, steps) for steps in (when.before, when.after)
+            )
+            total += when.of(before, after) @ by_rows.T
+        return total.reshape(*np.shape(t), -1)
+
+    def _pressures_of_rows(self, contact: str, steps: Index) -> Array:
+        read = partial(self._results.variable, "surface_contact_pressure", owner=contact)
+        return np.concatenate([read(slice(k, k + 1)) for k in steps.tolist()])
 
     def _without_file(self, body: str) -> Outline:
         """The outline of a body of an old file, or of one without an outline.

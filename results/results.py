@@ -439,7 +439,8 @@ class Results:
         """Magnitudes at the outline, (p,) or (k, p).
 
         "displacement" [m]; "velocity" in space [m/s], with elastic rates by differences over one
-        recorded step; "von_mises" [Pa], of which `RecoveryError` says what is missing.
+        recorded step; "von_mises" and "pressure" of contacts of surfaces [Pa], of which
+        `RecoveryError` says what is missing.
         """
         return self._outlines.field(body, t, name)
 

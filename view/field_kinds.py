@@ -13,6 +13,7 @@ FIELD_WORDS = {
     "displacement": ("elastic displacement", "m"),
     "velocity": ("velocity", "m/s"),
     "von_mises": ("von Mises stress", "Pa"),
+    "pressure": ("contact pressure", "Pa"),
 }
 # Turbo without its darkest ends, which light and shade would make black.
 COLOR_MAP = LinearSegmentedColormap.from_list(

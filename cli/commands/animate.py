@@ -29,7 +29,7 @@ FieldName = Annotated[
     str | None,
     typer.Option(
         "--field",
-        metavar="displacement|velocity|von_mises|none",
+        metavar="displacement|velocity|von_mises|pressure|none",
         help="What colors show: stresses where they are known, else displacements.",
     ),
 ]

@@ -14,7 +14,7 @@ Page = Annotated[Path | None, output_option("FILE.html")]
 Field = Annotated[
     str,
     typer.Option(
-        metavar="von_mises|displacement|velocity",
+        metavar="von_mises|displacement|velocity|pressure",
         help="The colors of the animation: the first of them that is known, unless given.",
         show_default=False,
     ),

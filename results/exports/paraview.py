@@ -13,11 +13,12 @@ from ...files.arrays import Array, Index, IntArray
 from ...files.whole_hdf5 import written_whole
 from ...superelement import von_mises
 from ..errors import ExportError, RecoveryError
+from ..pressed import Pressed, pressed_surfaces
 from ..recovery import in_space
 from ..results import Results
 from ..steps import batches
 from .folder import exported
-from .pressed import Pressed, pressed_surfaces, write_pressed
+from .pressed import write_pressed
 from .vtkhdf import BATCH_POINTS, Cells, Grid
 
 # VTK has xx, yy, zz, xy, yz, xz; stresses here are xx, yy, zz, yz, xz, xy.

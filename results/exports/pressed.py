@@ -1,15 +1,12 @@
 """Surfaces in contact as they move, with pressures, as VTKHDF files for ParaView."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from ...files.arrays import Array, Index, IntArray
 from ...files.whole_hdf5 import written_whole
-from ...superelement import Surface
-from ..errors import RecoveryError
+from ..pressed import Pressed
 from ..recovery import in_space
 from ..results import Results
 from ..steps import batches
@@ -17,46 +14,6 @@ from .vtkhdf import BATCH_POINTS, Cells, Grid
 
 OF_ROWS = {"pressure": "pressure", "gap": "gaps", "traction": "traction"}
 """fields of corners, and the quantities that they are"""
-
-
-class Pressed(NamedTuple):
-    """A surface whose rows were recorded, of a body that was, with the name of its contact."""
-
-    contact: str
-    body: str
-    surface: Surface
-
-    @property
-    def by_rows(self) -> Array:
-        """Values at its nodes from those of its rows (n, k): middle nodes are between corners."""
-        surface, corners = self.surface, self.surface.corners.shape[1]
-        row = np.full(surface.n, -1)
-        row[surface.corner_nodes] = np.arange(len(surface.corner_nodes))
-        sums = np.zeros((surface.n, len(surface.corner_nodes)))
-        for place in range(surface.facets.shape[1]):
-            # The middle of a facet is behind those of its edges.
-            at = [place] if place < corners else [place % corners, (place + 1) % corners]
-            for corner in range(corners) if place == 2 * corners else at:
-                sums[surface.facets[:, place], row[surface.facets[:, corner]]] = 1.0
-        weights: Array = sums / sums.sum(axis=1, keepdims=True)
-        return weights
-
-
-def pressed_surfaces(results: Results) -> tuple[Pressed, ...]:
-    """Those that can be drawn: recorded with `nodes`, and with their superelement at hand."""
-    if not any(one.name == "surface_contact_pressure" for one in results.contents.quantities):
-        return ()
-    return tuple(_pressed(results))
-
-
-def _pressed(results: Results) -> Iterator[Pressed]:
-    for body, surface, contact in results.pressed_surfaces:
-        # The second surface of a contact has no rows.
-        if contact in results.surface_contacts and body in results.bodies:
-            try:
-                yield Pressed(contact, body, results.superelement(body).surface(surface))
-            except RecoveryError:
-                continue
 
 
 def write_pressed(

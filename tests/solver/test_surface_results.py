@@ -326,3 +326,29 @@ def test_results_know_the_shapes_that_surfaces_meet(element):
     assert found["roll"].shape.radius == 0.3
     np.testing.assert_array_equal(results.ground_frames["(floor)"], np.zeros(3))
     np.testing.assert_array_equal(results.ground_frames["turned"], [0.1, 0.2, -0.3])
+
+
+def test_outlines_show_pressures(recovered):
+    results = (
+        drop(recovered, height=1e-6).simulate(1e-5, STEP, record=OutputRequest(nodes=True)).results
+    )
+    pressure = results.contact("floor").pressure
+    step = int(pressure.max(axis=1).argmax())
+    shown = results.outline_field("dome", results.time[step], "pressure")
+    assert shown.max() == pytest.approx(pressure[step].max())
+    rows = recovered.surface("dome")
+    points = results.outline("dome").points
+    for X, P in zip(rows.X[rows.corner_nodes], pressure[step], strict=True):
+        nearest = np.linalg.norm(points - X, axis=1).argmin()
+        assert shown[nearest] == pytest.approx(P, rel=1e-12, abs=1e-9 * shown.max())
+    # Away from the surface there is none.
+    assert np.count_nonzero(shown) <= rows.n
+    between = 0.5 * (results.time[step] + results.time[step - 1])
+    mean = 0.5 * (pressure[step] + pressure[step - 1]).max()
+    assert results.outline_field("dome", between, "pressure").max() == pytest.approx(mean)
+
+
+def test_bodies_without_pressures_say_what_is_missing(recovered):
+    results = drop(recovered).simulate(5e-6, STEP).results
+    with pytest.raises(RecoveryError, match=r"'dome': no pressures: .*\[output\] nodes = true"):
+        results.outline_field("dome", 0.0, "pressure")

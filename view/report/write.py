@@ -31,7 +31,7 @@ def write_report(
         .html or .htm.
     title : str
         The name of the results file, unless given.
-    field : {"von_mises", "displacement", "velocity"}, optional
+    field : {"von_mises", "displacement", "velocity", "pressure"}, optional
         For the colors of the animation; by default the first of them that is known.
     on_part : callable, optional
         Is told how many parts are made, of how many.

@@ -91,7 +91,7 @@ def animate(
     results : Results
     path : path
         The suffix says what is made; frame-%04d.png makes a picture of each frame.
-    field : {"displacement", "velocity", "von_mises", "none"}, optional
+    field : {"displacement", "velocity", "von_mises", "pressure", "none"}, optional
         By default stresses where all flexible bodies know them, else displacements.
     magnify : float, optional
         Of deformation; by default so that it is seen.
