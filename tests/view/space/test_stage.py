@@ -65,9 +65,7 @@ def test_the_scale_ends_at_the_largest_value_of_all_frames():
 def test_an_unknown_field_is_refused_with_its_reason():
     with pytest.raises(PictureError, match="von_mises: body 'bar': no von_mises"):
         Stage(Pendulum(), TIMES, field="von_mises")
-    with pytest.raises(
-        PictureError, match="expected displacement, .*, pressure, none"
-    ):
+    with pytest.raises(PictureError, match=r"expected displacement, .*, pressure, none"):
         Stage(Pendulum(), TIMES, field="strain")
 
 
