@@ -45,6 +45,7 @@ def turned(model, Q, shift):
             for s in model.springs
         ],
         contacts=[replace(c, axis=direction(c.axis)) for c in model.contacts],
+        surface_contacts=[replace(c, axis=direction(c.axis)) for c in model.surface_contacts],
         motions=[replace(m, **turned_axis(m)) for m in model.motions],
         loads=[
             load if load.follower else replace(load, direction=direction(load.direction))
