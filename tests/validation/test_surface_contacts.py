@@ -6,7 +6,18 @@ import duhamel as du
 import numpy as np
 import pytest
 import skfem
-from duhamel.solver import Fixed, FlexibleBody, Model, Settings, Start
+from duhamel.solver import (
+    Contact,
+    Fixed,
+    FlexibleBody,
+    Frame,
+    Hertz,
+    Model,
+    RigidBody,
+    Settings,
+    Start,
+    simulate,
+)
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from scipy.spatial.transform import Rotation
 
@@ -157,6 +168,41 @@ def test_impact_of_a_ball(coarse_ball):
         errors.append(np.sqrt(np.mean(off**2)) / peak)
     assert errors[0] / errors[1] > 3.2
     assert errors[1] / errors[2] > 3.2
+
+
+def test_an_impact_by_a_surface_is_that_of_a_ball_with_hertz_law():
+    """A fine mesh beside a ball that is a shape with Hertz's law, for a half-space.
+
+    The contact is 4 % as wide as the ball, whose finite size makes it stiffer by about as much.
+    """
+    element = quietly(ball(0.014, 5, 8, 1.6, 0.075), step=1e-7, band=2.7e5)
+    meshed = struck(element, "cap", 1.0, 1e-7, 640)
+    contact = Contact(
+        "blow",
+        ["ground.wall", "body"],
+        "plane",
+        ball=RADIUS,
+        axis=[0.0, 0.0, 1.0],
+        hertz=Hertz([1e6 * E, E], [NU, NU]),
+    )
+    rigid = Model(
+        {
+            "body": RigidBody(
+                element.mass,
+                [0.4 * element.mass * RADIUS**2] * 3,
+                start=Start([0.0, 0.0, RADIUS + 1e-7], velocity=[0.0, 0.0, -1.0]),
+            )
+        },
+        contacts=[contact],
+        ground_frames={"wall": Frame((0.0, 0.0, 0.0))},
+        settings=Settings(t_end=6.4e-5, step=1e-7, rho_inf=0.9),
+    )
+    expected = simulate(rigid, force=True).contact("blow").force[:, 0]
+    found, peak = np.array(meshed.forces), expected.max()
+    assert peak == pytest.approx(hertz(1.0, element.mass, E / (1.0 - NU**2), RADIUS), rel=1e-3)
+    assert found.max() == pytest.approx(peak, rel=0.03)
+    assert (found > 0.0).sum() == pytest.approx((expected > 0.0).sum(), rel=0.02)
+    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.03 * peak
 
 
 def test_two_domes_that_are_turned_meet_as_one_meets_a_mirror():
