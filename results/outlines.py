@@ -6,7 +6,6 @@ from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from ..files.arrays import Array, Index
 from ..superelement import Outline, Recovery, SuperelementError
@@ -80,7 +79,7 @@ class Outlines:
         self._sources: dict[str, Source] = {}
         self._motions: dict[str, Motion] = {}
         self._refused: dict[str, str] = {}
-        self._rows: dict[str, dict[str, csr_array]] = {}
+        self._rows: dict[str, Mapping[str, Any]] = {}
 
     @cached_property
     def _time(self) -> Array:

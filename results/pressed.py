@@ -1,16 +1,17 @@
 """The pressures that a run recorded of surfaces in contact, at their nodes and on outlines."""
 
 from collections.abc import Iterator
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.spatial import KDTree
 
 from ..files.arrays import Array
 from ..superelement import Outline, Superelement, Surface
 from .contents import Contents
 from .errors import RecoveryError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 SAME_PLACE = 1e-6
 """distance of a node of a surface from a point of an outline that is the same, over their size"""
@@ -70,11 +71,15 @@ def _pressed(results: Run) -> Iterator[Pressed]:
                 continue
 
 
-def rows_of_outline(results: Run, body: str, outline: Outline) -> dict[str, csr_array]:
+def rows_of_outline(results: Run, body: str, outline: Outline) -> "dict[str, csr_array]":
     """For each contact that presses a body, pressures at its outline (p, k) from those of its rows.
 
     0 where the outline has no node of the surface. `RecoveryError` where no pressures are known.
     """
+    # Only pictures need them, and a run should start at once.
+    from scipy.sparse import csr_array
+    from scipy.spatial import KDTree
+
     own = [one for one in pressed_surfaces(results) if one.body == body]
     if not own:
         raise RecoveryError(

@@ -27,6 +27,8 @@ MAX_COEFFICIENTS = 300
 """how often coefficients follow the slips"""
 SETTLED_COEFFICIENT = 1e-10
 """change of a coefficient, over its static one, that counts as none"""
+PANEL_COLUMNS = 16
+"""columns of factors that are made at once, a multiple of four"""
 MAX_HALVINGS = 4
 """how often a correction that does not help is halved"""
 CONVERGED_RESIDUAL = 1e-12
@@ -298,7 +300,29 @@ def factorize_law(
     for a in range(count):
         for b in range(count):
             A[a, b] = _entry(W, active, law, order[a], order[b])
-    for a in range(count):
+    for first in range(0, count, PANEL_COLUMNS):
+        last = min(first + PANEL_COLUMNS, count)
+        if not _factorize_panel(first, last, count, pivots, A):
+            return False
+        # Rows of U beside the panel, and then all that is left: in panels it stays in the cache.
+        for a in range(first + 1, last):
+            for p in range(first, a):
+                if A[a, p] != 0.0:
+                    factor = A[a, p]
+                    for k in range(last, count):
+                        A[a, k] -= factor * A[p, k]
+        for b in range(last, count):
+            for p in range(first, last - 3, 4):
+                f, g, u, v = A[b, p], A[b, p + 1], A[b, p + 2], A[b, p + 3]
+                for k in range(last, count):
+                    A[b, k] -= f * A[p, k] + g * A[p + 1, k] + u * A[p + 2, k] + v * A[p + 3, k]
+    return True
+
+
+@compiled
+def _factorize_panel(first: int, last: int, count: int, pivots: Index, A: Array) -> bool:
+    """LU factors of the columns from first to last; False where they are singular."""
+    for a in range(first, last):
         # The matrix is not symmetric where rows slip: without exchanges pivots may vanish.
         best = a
         for b in range(a + 1, count):
@@ -314,7 +338,7 @@ def factorize_law(
             if A[b, a] != 0.0:
                 A[b, a] /= A[a, a]
                 factor = A[b, a]
-                for k in range(a + 1, count):
+                for k in range(a + 1, last):
                     A[b, k] -= factor * A[a, k]
     return True
 
