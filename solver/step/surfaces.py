@@ -220,9 +220,9 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
 def _solve_without_friction(m: int, n: int, work: Workspace) -> int:
     """Forces and gaps of n candidates of island m; see `solve_complementarity`."""
     out = work.surfaces
-    solve = solve_set if out.held[0] else solve_complementarity
-    return int(
-        solve(
+    # Two calls, for a function as a value is more than the oldest numba compiles.
+    if out.held[0]:
+        count = solve_set(
             n,
             out.W[m],
             out.q,
@@ -233,7 +233,19 @@ def _solve_without_friction(m: int, n: int, work: Workspace) -> int:
             out.lam,
             out.y,
         )
-    )
+    else:
+        count = solve_complementarity(
+            n,
+            out.W[m],
+            out.q,
+            out.active,
+            out.factored[m],
+            out.factor[m],
+            out.order[m],
+            out.lam,
+            out.y,
+        )
+    return int(count)
 
 
 @compiled
