@@ -15,7 +15,6 @@ from .blend import Blend
 from .contents import SuperelementFile
 from .errors import RecoveryError, ResultsError
 from .motion import BodyMotion, FrameMotion
-from .pressed import rows_of_outline
 from .recovery import in_space, instants
 from .rotations import inverse
 from .space import Place, Space
@@ -275,7 +274,7 @@ class Outlines:
         """That of contacts of surfaces on its nodes, 0 elsewhere."""
         times = np.atleast_1d(np.asarray(t, dtype=float))
         if body not in self._rows:
-            self._rows[body] = rows_of_outline(self._results, body, self.at_rest(body))
+            self._rows[body] = pressed.rows_of_outline(self._results, body, self.at_rest(body))
         when = instants(self._time, times)
         total = np.zeros((len(times), len(self.at_rest(body).points)))
         for contact, by_rows in self._rows[body].items():

@@ -611,12 +611,13 @@ class Results:
     def _check_modes(self, body: str, element: Superelement) -> None:
         """`RecoveryError` where a run recorded no modes of a body whose surfaces are in contact."""
         assert element.modes is not None
-        is_there = f"bodies/{body}" in self.recorded
+        is_there, expected = f"bodies/{body}" in self.recorded, len(element.modes.omega)
         found = self.body(body).modal_coordinate.shape[1] if is_there else 0
-        if found != (expected := len(element.modes.omega)):
+        if found != expected:
             raise RecoveryError(
-                f"body {body!r}: its surfaces are in contact: fields need its {expected} modal "
-                f"coordinates, and the run recorded {found}: expected [output] modes = true"
+                f"body {body!r}: its surfaces are in contact: fields need the coordinates of its "
+                f"{expected} modes, found {found} in the results: expected a run with this "
+                "superelement and [output] modes = true"
             )
 
     def _names(self, dimension: str) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from ..history.dyadic import Window
 from ..step.rotations import quaternion_of
 from ..step.system import Output, State, System, Workspace
 from .lower import LoweredModel
-from .surfaces import sizes_of_kept, sizes_of_surfaces
+from .surface_sizes import sizes_of_kept, sizes_of_surfaces
 
 # contacts that can end before the time loop hands them over, and one more of each
 EVENT_CAPACITY = 256

@@ -1,6 +1,6 @@
 """Contacts of surfaces as arrays: their patches, the flexibility of their bodies, their islands."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,6 @@ from ..history.layout import Stepping
 from ..history.packing import packed
 from ..history.shares import Shares, shares_of
 from ..model.model import Model
-from ..model.output_request import OutputRequest
 from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
 from .numbering import NumberedFrames, carrier_name
@@ -153,10 +152,10 @@ def _lay_out_bodies(
     spread_start = np.cumsum([0, *(0 if own is None else len(own) for own in spread)])[:-1]
     spread_start[[own is None for own in spread]] = -1
     n_m = len(elastic.modes.stiffness)
-    mode, share = np.zeros(n_m, dtype=np.int64), np.zeros(n_m)
+    source, share = np.zeros(n_m, dtype=np.int64), np.zeros(n_m)
     for motion, e in zip(motions, numbers, strict=True):
         split = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
-        mode[split], share[split] = motion.shares.source, motion.shares.factor
+        source[split], share[split] = motion.shares.source, motion.shares.factor
     phi, phi_start = packed([motion.phi for motion in motions], owners)
     T, T_start = packed([motion.T for motion in motions], owners)
     G, G_start = packed([motion.G for motion in motions], owners)
@@ -174,8 +173,8 @@ def _lay_out_bodies(
         G=G,
         G_start=G_start,
         reach=np.array([motion.reach for motion in motions], dtype=np.float64),
-        mode_range=starts(motion.n_modes for motion in motions),
-        mode=as_index(mode),
+        source_range=starts(motion.n_modes for motion in motions),
+        source=as_index(source),
         share=share,
         spread=np.concatenate([np.empty(0), *(own for own in spread if own is not None)]),
         spread_start=as_index(spread_start),
@@ -363,49 +362,6 @@ def _places_of_others(layout: SurfaceLayout) -> list[list[int]]:
             # Each point is above one facet, but facets share nodes.
             numbers.append([min(n * target.rule.n_nodes, target.surface.n) for n in points])
     return numbers
-
-
-def sizes_of_kept(surfaces: Surfaces, request: OutputRequest) -> Mapping[str, int]:
-    """The dimensions of results of all rows and nodes of contacts, and of modes of their bodies."""
-    nodes = np.diff(surfaces.patches.node)[surfaces.contacts.patch]
-    return {
-        "n_kept_rows": int(surfaces.contacts.row[-1]) * request.nodes,
-        "n_kept_nodes": int(nodes.sum()) * request.nodes,
-        "n_kept_modes": int(surfaces.bodies.mode_range[-1]) * request.modes,
-    }
-
-
-def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
-    """The dimensions of the state and the scratch of contacts of surfaces."""
-    contacts, patches, bodies = surfaces.contacts, surfaces.patches, surfaces.bodies
-    with_friction = contacts.slip_row >= 0
-    rows = np.diff(contacts.row) * np.where(with_friction, 3, 1)
-    targets = np.where(contacts.target >= 0, np.diff(patches.node)[contacts.target], 0)
-    places = (np.diff(patches.node)[contacts.patch] + targets)[with_friction]
-    members = [
-        contacts.island[first:last]
-        for first, last in zip(
-            contacts.island_range[:-1].tolist(), contacts.island_range[1:].tolist(), strict=True
-        )
-    ]
-    return {
-        "n_contacts": len(contacts.patch),
-        "n_islands": len(members),
-        "n_bodies": len(bodies.flexible),
-        "n_nodes": len(patches.X),
-        "n_facets": len(surfaces.facets.nodes),
-        "n_contact_rows": int(contacts.row[-1]),
-        "n_all_rows": int(rows.sum()),
-        "n_start_places": int(places.sum()),
-        "n_contact_supports": int(contacts.support[-1]),
-        "n_others": int(contacts.other[-1]),
-        "n_most_points": int(np.diff(patches.point).max(initial=0)),
-        "n_most_rows": max((int(rows[own].sum()) for own in members), default=0),
-        "n_most_coordinates": int(contacts.coordinates.max(initial=0)),
-        "n_stiffness": int((contacts.coordinates**2).sum()),
-        "n_body_modes": int(bodies.mode_range[-1]),
-        "n_most_displacements": 3 * int(np.diff(bodies.node).max(initial=0)),
-    }
 
 
 def _coordinates(body: int, elastic: Elastic) -> int:

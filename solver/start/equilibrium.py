@@ -13,7 +13,6 @@ message.
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
-from numpy.typing import NDArray
 
 from ..arrays import Array, Index, as_index
 from ..errors import ModelError
@@ -26,16 +25,16 @@ from ..step.force_laws import law_rounding
 from ..step.measure import SUM_ROUNDING
 from ..step.newton import correct
 from ..step.records.elastic import Elastic
-from ..step.records.laws import Motors
-from ..step.rows import measures_length
 from ..step.second_order import INERTIA_DOFS, inertia_column
-from ..step.surface_motion import end_search_step
+from ..step.surface_rest import end_search_step
 from ..step.surfaces import await_contacts
 from ..step.system import State, System, Workspace
-from .assembly import drive_rates, follow_turns
+from .assembly import follow_turns
 from .pressed import change_sides, follow_loads_at_rest, rounding_of_surfaces, without_speeds
+from .residuals import NO_FORCE, largest_forces, relative_residuals
 from .servos import Holding
 from .steady import SteadyMotion
+from .steady_checks import check_steady
 from .unbalanced import causes, free_groups
 
 MAX_ITERATIONS = 400
@@ -43,19 +42,10 @@ MAX_ITERATIONS = 400
 EQUILIBRIUM_TOLERANCE = 1e-12
 # where rounding allows no better
 ACCEPTED_RESIDUAL = 1e-9
-# relative to the rates of the whole run: splines and sines vanish but for rounding
-NEGLIGIBLE_RATE = 1e-8
-# times of a run at which the rates of drives are looked at
-DRIVE_SAMPLES = 65
-# error of a servo whose answering force is the scale of forces where nothing loads it:
-# EQUILIBRIUM_TOLERANCE of that is rounding
-SERVO_ERROR_SCALE = 1e-3
 FIRST_STEP = 0.05
 """length of the first step, relative to the size of the model"""
 LEAST_SHARE = 1e-3
 """of all forces, that the first step is taken under at least"""
-NO_FORCE = 1e-300
-"""the largest force where there is none, by which others are divided"""
 MAX_RISE, SMALL_RESIDUAL, REMEMBERED = 4.0, 1e-3, 8
 """by how much the residual may rise above the largest of those remembered, unless it is small"""
 TIPPING_RISE = 1.1
@@ -76,101 +66,6 @@ LARGEST_WAY = 1.0
 MAX_INERTIA = 1e200
 DETOUR, MAX_DETOURS = 1.3, 10
 """by how much the inertia grows where it meets a centrifugal stiffness, and how often"""
-
-
-def check_drives(lowered: LoweredModel) -> None:
-    """ModelError for a drive that accelerates at t = 0."""
-    accelerations = np.array([drive.derivatives(0.0)[1] for drive in lowered.drives])
-    accelerates = np.abs(accelerations) > _negligible(lowered)[:, 1]
-    for d, i in enumerate(lowered.system.couplings.driven.tolist()):
-        if accelerates[d]:
-            raise ModelError(
-                f"{lowered.owner_of(i)}: start = 'equilibrium' needs drives without acceleration "
-                f"at t = 0, got {accelerations[d]:.6g}"
-            )
-
-
-def _negligible(lowered: LoweredModel) -> Array:
-    """Rates and accelerations of the drives that count as none (n_drives, 2).
-
-    Relative to those of the whole run: a spline, or a sine with a phase, is zero but for rounding.
-    """
-    T = lowered.model.settings.t_end
-    times = np.linspace(0.0, T, DRIVE_SAMPLES).tolist()
-    limits = np.zeros((len(lowered.drives), 2))
-    for d, drive in enumerate(lowered.drives):
-        motion = np.abs([(drive(t), *drive.derivatives(t)) for t in times]).max(axis=0)
-        limits[d] = NEGLIGIBLE_RATE * (motion[1:] + motion[:-1] / T)
-    return limits
-
-
-def _negligible_references(lowered: LoweredModel) -> Array:
-    """Rates of the references of motors that count as none (n_motors,), as those of drives."""
-    times = np.linspace(0.0, lowered.model.settings.t_end, DRIVE_SAMPLES)
-    rates = lowered.motor_signals[2::3]
-    return NEGLIGIBLE_RATE * np.array(
-        [np.abs(rate.samples(times, lowered.h)).max() for rate in rates]
-    )
-
-
-def check_steady(
-    lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
-) -> None:
-    """ModelError unless constraints and springs keep their coordinates in the steady motion.
-
-    That is a steady rotation, or rest. The rates B v + phi_t must vanish, so that a
-    drive may run at the speed of the rotation and at no other.
-    """
-    couplings, lengths = lowered.system.couplings, lowered.measures_lengths
-    Omega = np.zeros(3) if motion is None else motion.angular_velocity
-    V = np.zeros_like(work.frames.V)
-    if motion is not None:
-        moving = lowered.system.frames.body >= 0
-        V[moving, :3] = np.cross(Omega, work.frames.r[moving] - motion.center)
-        V[moving, 3:] = Omega
-    V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
-    driven = drive_rates(lowered, work)
-    laws = couplings.laws
-    _follow_references(lowered, driven, work)
-    resisting = laws.stiffness.any(1) | laws.damping.any(1) | (np.diff(laws.range) > 0)
-    resisting |= np.isin(laws.motor, _servos(laws.motors))
-    # Rows without a law, as of friction, resist nothing at rest.
-    inert = (couplings.compliant == 1) & ~resisting
-    along = np.einsum("ij,ij->i", work.couplings.gradient, V_ab)
-    terms = couplings.terms
-    V_ab = np.hstack([V[terms.rows.frame_a], V[terms.rows.frame_b]])
-    by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
-    np.add.at(along, terms.row, terms.ratio * by_terms)
-    rates = np.where(inert, 0.0, np.abs(along + driven))
-    speed = float(np.linalg.norm(Omega))
-    allowed = NEGLIGIBLE_RATE * np.where(lengths, speed * lowered.system.bodies.size, speed)
-    # Rows without a drive have the number -1, and so the zero at the end.
-    allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
-    allowed[laws.motors.row] += _negligible_references(lowered)
-    if not (rates > allowed).any():
-        return
-    i = int(np.argmax(rates - allowed))
-    effect = (
-        "misses its drive" if driven[i] else "deforms it" if couplings.compliant[i] else "opens it"
-    )
-    state_of_motion = "rest" if motion is None else f"a steady rotation of {Omega.tolist()} rad/s"
-    unit = "m/s" if lengths[i] else "rad/s"
-    raise ModelError(
-        f"{lowered.owner_of(i)}: start = 'equilibrium': {state_of_motion} {effect} "
-        f"by {rates[i]:.6g} {unit}"
-    )
-
-
-def _servos(motors: Motors) -> Index:
-    """The motors that have gains, by number."""
-    return np.flatnonzero((motors.stiffness > 0) | (motors.damping > 0) | (motors.integral > 0))
-
-
-def _follow_references(lowered: LoweredModel, driven: Array, work: Workspace) -> None:
-    """Set the rates at which the references of servos run from the coordinates of their rows."""
-    motors = lowered.system.couplings.laws.motors
-    for m in _servos(motors).tolist():
-        driven[motors.row[m]] = -work.motors.value[3 * m + 2]
 
 
 def solve_equilibrium(
@@ -208,7 +103,7 @@ class _Search:
         work.interfaces.history[:] = 0.0
         work.interfaces.rate_predicted[:] = 0.0
         self._evaluate()
-        self.holding = Holding(self.system, self.lengths, *_largest_forces(self.system, work))
+        self.holding = Holding(self.system, self.lengths, *largest_forces(self.system, work))
 
     def saved(self) -> list[Array | Index]:
         return [array.copy() for array in self._carried()]
@@ -322,7 +217,7 @@ class _Search:
         rounding alone. A body that turns about its center, and that nothing holds, has no others.
         """
         system, (rounding, _) = self.system, self._law_rounding()
-        forces, _ = _largest_forces(system, self.work, (rounding / ACCEPTED_RESIDUAL, 0.0))
+        forces, _ = largest_forces(system, self.work, (rounding / ACCEPTED_RESIDUAL, 0.0))
         loads = forces / float(system.bodies.mass.sum()) if forces > NO_FORCE else 0.0
         spin = np.zeros(3) if self.motion is None else self.motion.angular_velocity
         least = LEAST_SHARE * (loads + float(spin @ spin) * system.bodies.size)
@@ -339,6 +234,8 @@ class _Search:
         """One implicit step of the flow; False where its equations are singular."""
         system, state, work = _stiffened(self.system, beta), self.state, self.work
         self.way = 0.0
+        # One correction, but with surfaces in contact the step is solved for as one of time, for
+        # what is exact closes and opens within it.
         for k in range(MAX_CORRECTIONS):
             linearize(system, state, work)
             assemble(system, state, work)
@@ -351,7 +248,6 @@ class _Search:
             self.way += way
             if not self.pressed:
                 break
-            # What is exact closes and opens within a step, which is solved for as one of time.
             evaluate(system, state, work)
             small = max(SMALL_CORRECTION * self.way, self._rounding_of_ways())
             self.settled = not self._change_sides() and not way > small
@@ -404,9 +300,7 @@ class _Search:
         return NEGLIGIBLE_WAY * SUM_ROUNDING * largest_coordinate(self.system.bodies, self.state)
 
     def _residual(self, least: tuple[float, float] = (0.0, 0.0), opening: float = 0.0) -> float:
-        parts = _relative_residuals(
-            self.system, self.lengths, self.state, self.work, least, opening
-        )
+        parts = relative_residuals(self.system, self.lengths, self.state, self.work, least, opening)
         return max(float(values.max(initial=0.0)) for values in parts)
 
     def _is_rounding(self) -> bool:
@@ -522,80 +416,9 @@ def _centrifugal_slopes(elastic: Elastic, e: int, omega: Array, work: Workspace)
     return by_loads
 
 
-def _relative_residuals(
-    system: System,
-    lengths: NDArray[np.bool_],
-    state: State,
-    work: Workspace,
-    least: tuple[float, float] = (0.0, 0.0),
-    opening: float = 0.0,
-) -> tuple[Array, ...]:
-    """Residuals relative to the largest forces and moments in the system, and to its size.
-
-    Of the forces (n_b,) and moments (n_b,) on bodies, the rows (n_rows,) and the active elastic
-    dofs (n_a,). least: a force [N] and a moment [N m] below which none counts as the largest.
-    opening: a length [m] that lengths of constraints are relative to where the size is less.
-    """
-    # A body that spins about its center is loaded within: its net force is a difference of these.
-    within, size = _centrifugal_scales(system, state, work), system.bodies.size
-    forces, moments = _largest_forces(system, work, least)
-    # the length of a spring that carries nothing is right to rounding alone: laws are measured
-    # against all forces
-    laws = np.maximum(work.couplings.scale, np.where(lengths, forces, moments))
-    constraints = np.where(lengths, max(size, opening), size)
-    return (
-        np.abs(work.bodies.residual[:, :3]).max(axis=1) / (forces + within[0]),
-        np.abs(work.bodies.residual[:, 3:]).max(axis=1) / (moments + within[1]),
-        np.abs(work.couplings.phi) / np.where(system.couplings.compliant == 1, laws, constraints),
-        system.elastic.length * np.abs(work.interfaces.residual) / size,
-    )
-
-
-def _largest_forces(
-    system: System, work: Workspace, least: tuple[float, float] = (0.0, 0.0)
-) -> tuple[float, float]:
-    """The largest sums of forces and of moments on a body; moments at least of small levers.
-
-    And those by which servos would answer to `SERVO_ERROR_SCALE`, where nothing loads them.
-    """
-    lengths, answers = _answers(system, work)
-    forces = max(
-        float(work.bodies.force_scale[:, 0].max()), answers[lengths].max(initial=NO_FORCE), least[0]
-    )
-    levered = max(forces * 1e-3 * system.bodies.size, answers[~lengths].max(initial=0.0))
-    return forces, max(float(work.bodies.force_scale[:, 1].max()), levered, least[1])
-
-
-def _answers(system: System, work: Workspace) -> tuple[NDArray[np.bool_], Array]:
-    """For each motor, whether its coordinate is a length, and its force under a small error.
-
-    The error is `SERVO_ERROR_SCALE` of the size of the model, of 1 rad, or of the rate.
-    """
-    motors, rows = system.couplings.laws.motors, system.couplings.rows.kind
-    lengths = np.array([measures_length(kind) for kind in rows[motors.row].tolist()], dtype=bool)
-    reach = np.where(lengths, system.bodies.size, 1.0)
-    reach = np.maximum(reach, np.abs(work.couplings.coordinate[motors.row]))
-    rate = np.abs(work.couplings.rate[motors.row])
-    answers: Array = SERVO_ERROR_SCALE * (motors.stiffness * reach + motors.damping * rate)
-    return lengths, answers
-
-
-def _centrifugal_scales(system: System, state: State, work: Workspace) -> Array:
-    """Centrifugal forces and moments within flexible bodies (2, n_b).
-
-    Where a body turns about its center, and nothing holds it, all that is left is their rounding.
-    """
-    elastic, scales = system.elastic, np.zeros((2, len(system.bodies.mass)))
-    for e, b in enumerate(elastic.body.tolist()):
-        omega = state.bodies.v[b, 3:]
-        scales[0, b] = system.bodies.mass[b] * (omega @ omega) * elastic.size[e]
-        scales[1, b] = np.linalg.norm(omega) * np.linalg.norm(work.bodies.J[b] @ omega)
-    return scales
-
-
 def _failure(lowered: LoweredModel, reason: str, state: State, work: Workspace) -> ModelError:
     """The error where no equilibrium was found: the reason, and the largest residual."""
-    forces, moments, rows, dofs = _relative_residuals(
+    forces, moments, rows, dofs = relative_residuals(
         lowered.system, lowered.measures_lengths, state, work
     )
     bodies = np.maximum(forces, moments)

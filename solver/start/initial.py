@@ -24,11 +24,10 @@ from ..step.extremes import start_extremes
 from ..step.loads import load_vector
 from ..step.patterns import keep_pattern
 from ..step.second_order import add_curvatures, hardening_energy
-from ..step.surface_motion import rest_on_surfaces
-from ..step.surface_results import total_surfaces
+from ..step.surface_rest import rest_on_surfaces
 from ..step.system import State, System, Workspace
 from .assembly import Target, assemble_joints, fit_velocities
-from .equilibrium import check_drives, check_steady, solve_equilibrium
+from .equilibrium import solve_equilibrium
 from .full_turns import continue_angles, turn_joints
 from .given_velocities import lost_velocities
 from .handover import hand_over, predecessor
@@ -40,6 +39,7 @@ from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .servos import check_holding, set_poles
 from .steady import SteadyMotion, continuous_motion, steady_motion
+from .steady_checks import check_drives, check_steady
 
 
 class AssemblyError(NamedTuple):
@@ -127,7 +127,6 @@ def initialize(
         check_steady(lowered, motion, state, work)
         _start_loaded(lowered, state, work)
         rest_on_surfaces(at_rest, state, work)
-        total_surfaces(at_rest, state, work)
     else:
         evaluate(lowered.system, state, work)
         check_depths(lowered, work)

@@ -1,7 +1,7 @@
-"""Contacts of surfaces in a search for an equilibrium, and at a start from one.
+"""Contacts of surfaces in a search for an equilibrium.
 
 There bodies have static compliances, and a step of the search, which has no velocities, may lead
-anywhere: no contact counts as far.
+anywhere: no contact counts as far. The compiled part is step/surface_rest.py.
 """
 
 import numpy as np
@@ -58,6 +58,7 @@ def change_sides(negligible: float, state: State, work: Workspace) -> bool:
     n = len(work.surfaces.closed)
     force, gap = state.surfaces.force[:n], state.surfaces.gap[:n]
     closed = work.surfaces.closed > 0
+    # Rows that hang by rounding, as at the rim, would open and close in turn.
     pulls = closed & (force < -NEGLIGIBLE_PULL * np.abs(force).max(initial=0.0))
     penetrates = ~closed & (gap < -negligible)
     work.surfaces.closed[:] = (closed & ~pulls) | penetrates

@@ -29,6 +29,7 @@ def solve_complementarity(
     n: int,
     W: Array,
     q: Array,
+    held: bool,
     active: Index,
     factored: Index,
     factor: Array,
@@ -38,17 +39,24 @@ def solve_complementarity(
 ) -> int:
     """Forces lam and gaps y of n rows; the number of closed rows, -1 where there is no solution.
 
-    active (n,): 1 for the rows that are closed, a guess at first. order: the closed rows, in the
-    order of `factor`, Cholesky's factor of their part of W; factored (n,): 1 for the rows that it
-    has, -1 first where there is none yet.
+    active (n,): 1 for the rows that are closed, a guess at first, unless `held`: then they stay so,
+    and pull where they must. order: the closed rows, in the order of `factor`, Cholesky's factor of
+    their part of W; factored (n,): 1 for the rows that it has, -1 first where there is none yet.
     """
     fewest, patience = n + 1, PATIENT_ITERATIONS
     for _ in range(MAX_CHANGES):
-        count = solve_set(n, W, q, active, factored, factor, order, lam, y)
-        if count < 0:
-            return -1
+        count = _order_closed(n, active, order)
+        # From iterate to iterate the closed rows mostly stay the same, and so does their factor.
+        if not _is_factored(n, active, factored):
+            if not _factorize(count, W, order, factor):
+                # Half a factor is none, and must not serve the next call.
+                factored[0] = -1
+                return -1
+            for i in range(n):
+                factored[i] = active[i]
+        _solve_closed(n, count, W, q, active, factor, order, lam, y)
         violations, last = _violations(n, q, active, lam, y)
-        if violations == 0:
+        if held or violations == 0:
             return count
         # While violations fall, changes of whole sets cannot go in circles.
         if violations < fewest:
@@ -57,35 +65,6 @@ def solve_complementarity(
             patience -= 1
         _change_sides(n, active, lam, y, last if patience < 0 else -1)
     return -1
-
-
-@compiled
-def solve_set(
-    n: int,
-    W: Array,
-    q: Array,
-    active: Index,
-    factored: Index,
-    factor: Array,
-    order: Index,
-    lam: Array,
-    y: Array,
-) -> int:
-    """Forces and gaps where the closed rows stay closed, and pull where they must; their number.
-
-    -1 where there are none. The arguments are those of `solve_complementarity`.
-    """
-    count = _order_closed(n, active, order)
-    # From iterate to iterate the closed rows mostly stay the same, and so does their factor.
-    if not _is_factored(n, active, factored):
-        if not _factorize(count, W, order, factor):
-            # Half a factor is none, and must not serve the next call.
-            factored[0] = -1
-            return -1
-        for i in range(n):
-            factored[i] = active[i]
-    _solve_closed(n, count, W, q, active, factor, order, lam, y)
-    return count
 
 
 @compiled

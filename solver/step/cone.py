@@ -16,6 +16,7 @@ import math
 
 from ..arrays import Array, Index
 from ..compiler.marks import compiled
+from .lu import factorize_lu, substitute_lu
 from .vectors import inner
 
 OPEN, STICKS, SLIPS = 0, 1, 2
@@ -27,8 +28,6 @@ MAX_COEFFICIENTS = 300
 """how often coefficients follow the slips"""
 SETTLED_COEFFICIENT = 1e-10
 """change of a coefficient, over its static one, that counts as none"""
-PANEL_COLUMNS = 16
-"""columns of factors that are made at once, a multiple of four"""
 MAX_HALVINGS = 4
 """how often a correction that does not help is halved"""
 CONVERGED_RESIDUAL = 1e-12
@@ -172,7 +171,7 @@ def _run_newton(
                 if not active[k] and trial[k] != 0.0:
                     total -= _entry(W, active, law, i, k) * trial[k]
             y[a] = total
-        substitute_law(count, A, pivots, y)
+        substitute_lu(count, A, pivots, y)
         for a in range(count):
             trial[order[a]] = y[a]
         # At kinks of the law a whole correction may lead from one side to the other and back.
@@ -300,55 +299,4 @@ def factorize_law(
     for a in range(count):
         for b in range(count):
             A[a, b] = _entry(W, active, law, order[a], order[b])
-    for first in range(0, count, PANEL_COLUMNS):
-        last = min(first + PANEL_COLUMNS, count)
-        if not _factorize_panel(first, last, count, pivots, A):
-            return False
-        # Rows of U beside the panel, and then all that is left: in panels it stays in the cache.
-        for a in range(first + 1, last):
-            for p in range(first, a):
-                if A[a, p] != 0.0:
-                    factor = A[a, p]
-                    for k in range(last, count):
-                        A[a, k] -= factor * A[p, k]
-        for b in range(last, count):
-            for p in range(first, last - 3, 4):
-                f, g, u, v = A[b, p], A[b, p + 1], A[b, p + 2], A[b, p + 3]
-                for k in range(last, count):
-                    A[b, k] -= f * A[p, k] + g * A[p + 1, k] + u * A[p + 2, k] + v * A[p + 3, k]
-    return True
-
-
-@compiled
-def _factorize_panel(first: int, last: int, count: int, pivots: Index, A: Array) -> bool:
-    """LU factors of the columns from first to last; False where they are singular."""
-    for a in range(first, last):
-        # The matrix is not symmetric where rows slip: without exchanges pivots may vanish.
-        best = a
-        for b in range(a + 1, count):
-            if abs(A[b, a]) > abs(A[best, a]):
-                best = b
-        pivots[a] = best
-        if not abs(A[best, a]) > 0.0:
-            return False
-        if best != a:
-            for b in range(count):
-                A[a, b], A[best, b] = A[best, b], A[a, b]
-        for b in range(a + 1, count):
-            if A[b, a] != 0.0:
-                A[b, a] /= A[a, a]
-                factor = A[b, a]
-                for k in range(a + 1, last):
-                    A[b, k] -= factor * A[a, k]
-    return True
-
-
-@compiled
-def substitute_law(count: int, A: Array, pivots: Index, x: Array) -> None:
-    """x <- A^-1 x"""
-    for a in range(count):
-        x[a], x[pivots[a]] = x[pivots[a]], x[a]
-    for a in range(count):
-        x[a] -= inner(A[a, :a], x[:a])
-    for a in range(count - 1, -1, -1):
-        x[a] = (x[a] - inner(A[a, a + 1 : count], x[a + 1 : count])) / A[a, a]
+    return bool(factorize_lu(count, A, pivots))

@@ -47,11 +47,7 @@ from .second_order import (
     load_second_order,
 )
 from .surface_motion import load_surface_bodies
-from .surfaces import (
-    add_surface_scales,
-    add_surface_tangents,
-    press_surfaces,
-)
+from .surfaces import add_surface_scales, add_surface_tangents, press_surfaces
 from .system import State, System, Workspace
 
 

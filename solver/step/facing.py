@@ -14,7 +14,7 @@ import math
 from ..compiler.marks import compiled
 from .facets import normal_of_facet, point_of_facet, seek_facet, shape_target, walk_to_foot
 from .records.surfaces import Surfaces
-from .shapes import surface_at
+from .surface_shapes import distance_from_shape, find_far_facets
 from .system import State, System, Workspace
 from .vectors import Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract
 
@@ -24,8 +24,6 @@ MAX_CONDITION = 1e3
 """condition of M, scaled by its diagonal, above which psi is L"""
 MAX_COMPONENT = 0.9
 """component of a normal above which tangents are not taken from this axis"""
-BENDS_OF_GAP = 4.0
-"""bends of the gap over a facet that the gap of a row may be below that of its node"""
 FACETS_AROUND = 3.0
 """radii of a facet, beyond the margin, within which it is looked at"""
 
@@ -80,20 +78,6 @@ def deformed(surfaces: Surfaces, k: int, work: Workspace) -> Vector:
 
 
 @compiled
-def distance_from_shape(surfaces: Surfaces, c: int, y: Vector) -> tuple[float, Vector, float]:
-    """The distance of a point from the shape of contact c, the normal, and how far it is beyond.
-
-    In the axes of the shape.
-    """
-    contacts = surfaces.contacts
-    parameters = contacts.parameters[contacts.first[c] : contacts.first[c + 1]]
-    s, n, _, beyond = surface_at(
-        contacts.shape[c], parameters, row(contacts.axis, c), row(contacts.across, c), y
-    )
-    return contacts.side[c] * s, scale(contacts.side[c], n), beyond
-
-
-@compiled
 def look_at_target(system: System, c: int, margin: float, work: Workspace) -> None:
     """Planes and gaps of the points of contact c, whose nodes are placed, and their weights."""
     surfaces, out = system.surfaces, work.surfaces
@@ -102,7 +86,7 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
     if t >= 0:
         shape_target(facets, t, out.place, out)
     else:
-        _find_far_facets(surfaces, c, margin, work)
+        find_far_facets(surfaces, c, margin, work)
     per, n_nodes = facets.points[p], facets.n_nodes[p]
     for f in range(facets.range[p], facets.range[p + 1]):
         below, first = 0, (f - facets.range[p]) * per
@@ -124,59 +108,6 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
                 y = add(y, scale(N, row(out.place, facets.nodes[f, z])))
             covered += int(_look(surfaces, c, q, y, below, work))
         _weigh(surfaces, p, f, first, covered, work)
-
-
-@compiled
-def _find_far_facets(surfaces: Surfaces, c: int, margin: float, work: Workspace) -> None:
-    """Facets none of whose rows can have a gap below the margin, by the gaps of nodes from a shape.
-
-    Dual functions make the gap of a row that of its node where gaps are linear over the facets
-    around it; it differs by as much as gaps are bent there.
-    """
-    facets, patches, out = surfaces.facets, surfaces.patches, work.surfaces
-    p = surfaces.contacts.patch[c]
-    shift = surfaces.contacts.row[c] - patches.row[p]
-    for k in range(patches.node[p], patches.node[p + 1]):
-        out.node_gap[k], _, _ = distance_from_shape(surfaces, c, row(out.place, k))
-    for i in range(patches.row[p], patches.row[p + 1]):
-        out.row_gap[i + shift] = math.inf
-    for f in range(facets.range[p], facets.range[p + 1]):
-        bend = BENDS_OF_GAP * _bend_of_gap(surfaces, c, f, work)
-        for z in range(facets.corners[p]):
-            i = facets.rows[f, z] + shift
-            out.row_gap[i] = min(out.row_gap[i], out.node_gap[facets.nodes[f, z]] - bend)
-    # A row needs all facets around it, those of near ones too that are far themselves.
-    for f in range(facets.range[p], facets.range[p + 1]):
-        out.is_far[f] = 1
-        for z in range(facets.corners[p]):
-            i = facets.rows[f, z] + shift
-            # Also where it is no number, which must not pass for far.
-            if out.closed[i] or not out.row_gap[i] > margin:
-                out.is_far[f] = 0
-
-
-@compiled
-def _bend_of_gap(surfaces: Surfaces, c: int, f: int, work: Workspace) -> float:
-    """The largest difference, over facet f, of the gap from a linear one between its corners.
-
-    At its center, which a curved target bends, and at its middle nodes, which a curved facet does.
-    """
-    facets, out = surfaces.facets, work.surfaces
-    p = surfaces.contacts.patch[c]
-    n, nodes = facets.corners[p], facets.nodes[f]
-    center, mean = (0.0, 0.0, 0.0), 0.0
-    for z in range(n):
-        center = add(center, scale(1.0 / n, row(out.place, nodes[z])))
-        mean += out.node_gap[nodes[z]] / n
-    gap, _, _ = distance_from_shape(surfaces, c, center)
-    bend = abs(gap - mean)
-    for z in range(n, facets.n_nodes[p]):
-        between = mean  # of the node in the middle of the facet
-        if z < 2 * n:
-            first, second = nodes[z - n], nodes[(z - n + 1) % n]
-            between = 0.5 * (out.node_gap[first] + out.node_gap[second])
-        bend = max(bend, abs(out.node_gap[nodes[z]] - between))
-    return bend
 
 
 @compiled

@@ -7,24 +7,12 @@ node; a target is a shape, or spheres as well. Source: docs/theory.md, Contact o
 import math
 
 from ..compiler.marks import compiled
-from .facing import (
-    distance_from_shape,
-    target_axes,
-    target_origin,
-)
+from .facing import target_axes, target_origin
 from .records.surfaces import Surfaces
 from .surface_motion import wake
+from .surface_shapes import distance_from_shape
 from .system import State, System, Workspace
-from .vectors import (
-    Vector,
-    add,
-    cross,
-    dot,
-    rotate,
-    row,
-    scale,
-    subtract,
-)
+from .vectors import Vector, add, cross, dot, rotate, row, scale, subtract
 
 MAX_LOOKS_AHEAD = 10000
 """places of a patch on its way within a step that are looked at"""

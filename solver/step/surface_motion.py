@@ -11,21 +11,13 @@ docs/theory.md, Contact of surfaces.
 import math
 
 from ..arrays import Array
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .facing import (
-    place_nodes,
-)
+from .facing import place_nodes
 from .frames import move_frames
 from .records.surfaces import Surfaces
 from .system import State, System, Workspace
-from .vectors import (
-    Vector,
-    add_to_row,
-    inner,
-    rotate,
-    row,
-)
+from .vectors import Vector, add_to_row, inner, rotate, row
 
 
 @compiled
@@ -38,7 +30,7 @@ def keep_start(system: System, state: State, work: Workspace) -> None:
         copy(state.surfaces.gap[:n], work.surfaces.gap_n)
 
 
-@entry
+@compiled
 def keep_places(system: System, state: State, work: Workspace) -> None:
     """The nodes of contacts with friction at the start of a step, from where slips are counted."""
     surfaces, out = system.surfaces, work.surfaces
@@ -107,26 +99,13 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
         load = state.surfaces.modal_load[begin:end]
         copy(load, out.modal_load_n[begin:end])
         load[:] = 0.0
-        first_mode, last_mode = surfaces.bodies.mode_range[s], surfaces.bodies.mode_range[s + 1]
-        whole, n_modes = out.mode[first_mode:last_mode], last_mode - first_mode
-        whole[:] = 0.0
         out.modal_step[begin:end] = 0.0
-        first, start = surfaces.bodies.node[s], surfaces.bodies.phi_start[s]
-        loaded = False
-        for k in range(first, surfaces.bodies.node[s + 1]):
-            for x in range(3):
-                f = state.surfaces.load[k, x]
-                if f != 0.0:
-                    loaded = True
-                    place = start + (3 * (k - first) + x) * n_modes
-                    phi = surfaces.bodies.phi[place : place + n_modes]
-                    for i in range(n_modes):
-                        whole[i] += phi[i] * f
-        if not loaded:
+        if not _load_sources(surfaces, s, state, work):
             continue
+        first = surfaces.bodies.source_range[s]
         for i in range(m):
             share = surfaces.bodies.share[begin + i]
-            load[i] = share * whole[surfaces.bodies.mode[begin + i]]
+            load[i] = share * out.source_load[first + surfaces.bodies.source[begin + i]]
             work.modes.load[begin + i] += load[i]
             step = scheme.beta * scheme.h * scheme.h / modes.step_stiffness[begin + i]
             out.modal_step[begin + i] = step * load[i]
@@ -134,6 +113,25 @@ def load_modes(system: System, state: State, work: Workspace) -> None:
             place = modes.phi_start[e] + (k - elastic.dof[e]) * m
             change = inner(modes.phi[place : place + m], out.modal_step[begin:end])
             state.interfaces.u[k] += change
+
+
+@compiled
+def _load_sources(surfaces: Surfaces, s: int, state: State, work: Workspace) -> bool:
+    """phi^T f of the modes of the file of body s; whether any of its nodes is loaded."""
+    bodies, loaded = surfaces.bodies, False
+    begin, end = bodies.source_range[s], bodies.source_range[s + 1]
+    load, m, first = work.surfaces.source_load[begin:end], end - begin, bodies.node[s]
+    load[:] = 0.0
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            f = state.surfaces.load[k, x]
+            if f != 0.0:
+                loaded = True
+                place = bodies.phi_start[s] + (3 * (k - first) + x) * m
+                phi = bodies.phi[place : place + m]
+                for i in range(m):
+                    load[i] += phi[i] * f
+    return loaded
 
 
 @compiled
@@ -167,37 +165,6 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
             state.energies.friction[0] -= force * slip
             # Time stepping moves by the mean force of the step.
             state.energies.switching[0] += 0.5 * (out.force_n[i] - force) * slip
-
-
-@entry
-def end_search_step(system: System, state: State, work: Workspace) -> None:
-    """Displacements of nodes that the next step of a search for an equilibrium begins with."""
-    for k in range(len(state.surfaces.u)):
-        for x in range(3):
-            state.surfaces.u[k, x] = work.surfaces.base[k, x] + work.surfaces.by_load[k, x]
-    keep_places(system, state, work)
-
-
-@entry
-def rest_on_surfaces(system: System, state: State, work: Workspace) -> None:
-    """The loads of contacts at the start, which have always acted, move modes and interfaces.
-
-    `system` is that of the search for the equilibrium, and `state` has all other loads.
-    """
-    modes, out = system.elastic.modes, work.surfaces
-    load_modes(system, state, work)
-    for s in range(len(system.surfaces.bodies.flexible)):
-        e = system.surfaces.bodies.flexible[s]
-        for i in range(modes.range[e], modes.range[e + 1]):
-            load, way = state.surfaces.modal_load[i], out.modal_step[i]
-            # Loads of the contacts find the modes displaced by the other ones.
-            stretched = modes.stiffness[i] * state.modes.eta[i]
-            state.energies.modal[0] += (stretched + 0.5 * load) * way
-            state.modes.eta[i] += way
-            out.modal_load_n[i] = load
-    keep_start(system, state, work)
-    finish_surfaces(system, state, work)
-    out.looks[0] = -1
 
 
 @compiled
@@ -248,20 +215,20 @@ def wake(system: System, s: int, state: State, work: Workspace) -> None:
 def add_up_modes(system: System, s: int, state: State, work: Workspace) -> None:
     """Coordinates of the modes of body s: the sums of those of their shares."""
     bodies, modes = system.surfaces.bodies, system.elastic.modes
-    e, first = bodies.flexible[s], bodies.mode_range[s]
-    for j in range(first, bodies.mode_range[s + 1]):
-        work.surfaces.mode[j] = 0.0
+    e, first = bodies.flexible[s], bodies.source_range[s]
+    for j in range(first, bodies.source_range[s + 1]):
+        work.surfaces.source[j] = 0.0
     for i in range(modes.range[e], modes.range[e + 1]):
-        work.surfaces.mode[first + bodies.mode[i]] += bodies.share[i] * state.modes.eta[i]
+        work.surfaces.source[first + bodies.source[i]] += bodies.share[i] * state.modes.eta[i]
 
 
 @compiled
 def _by_modes(system: System, s: int, k: int, x: int, work: Workspace) -> float:
     """phi eta of node k of body s along axis x; see `add_up_modes`."""
     bodies = system.surfaces.bodies
-    begin, end = bodies.mode_range[s], bodies.mode_range[s + 1]
+    begin, end = bodies.source_range[s], bodies.source_range[s + 1]
     place = bodies.phi_start[s] + (3 * (k - bodies.node[s]) + x) * (end - begin)
-    return inner(bodies.phi[place : place + end - begin], work.surfaces.mode[begin:end])
+    return inner(bodies.phi[place : place + end - begin], work.surfaces.source[begin:end])
 
 
 @compiled

@@ -2,24 +2,13 @@
 
 import math
 
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .events import end_contact
 from .facing import deformed, slip_row, support_of
 from .surface_motion import add_up_modes
 from .system import Output, State, System, Workspace
-from .vectors import (
-    Vector,
-    add,
-    add_to_row,
-    cross,
-    dot,
-    rotate,
-    rotate_back,
-    row,
-    scale,
-    subtract,
-)
+from .vectors import Vector, add, add_to_row, cross, dot, rotate, rotate_back, row, scale, subtract
 
 NEGLIGIBLE_SEPARATION = 1e-10
 """of a rate of separation over the speeds of which it is the difference"""
@@ -65,9 +54,9 @@ def add_up_surfaces(system: System, state: State, work: Workspace) -> None:
         contacts.total_impulse[k] += h * force
 
 
-@entry
+@compiled
 def total_surfaces(system: System, state: State, work: Workspace) -> None:
-    """Totals of all contacts of surfaces at the start of a run."""
+    """Forces, moments and centers of pressure of all contacts of surfaces."""
     for c in range(len(system.surfaces.contacts.patch)):
         _add_up(system, c, state, work)
 
@@ -236,5 +225,5 @@ def _record_modes(system: System, state: State, work: Workspace, output: Output,
     for s in range(len(bodies.flexible)):
         add_up_modes(system, s, state, work)
         mass = system.bodies.mass[system.elastic.body[bodies.flexible[s]]]
-        for j in range(bodies.mode_range[s], bodies.mode_range[s + 1]):
-            output.body_modal_coordinate[k, j] = work.surfaces.mode[j] / math.sqrt(mass)
+        for j in range(bodies.source_range[s], bodies.source_range[s + 1]):
+            output.body_modal_coordinate[k, j] = work.surfaces.source[j] / math.sqrt(mass)

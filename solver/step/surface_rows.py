@@ -10,29 +10,12 @@ xi: coordinates of the bodies of the island. Source: docs/theory.md, Contact of 
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from .facing import (
-    deformed,
-    slip_row,
-    support_of,
-    target_axes,
-    target_origin,
-)
+from .facing import deformed, slip_row, support_of, target_axes, target_origin
 from .frames import coordinate, pull_back, width
 from .records.surfaces import Surfaces
 from .surface_motion import add_by_interfaces, layer_compliance, set_displacements_by_load
 from .system import State, System, Workspace
-from .vectors import (
-    Vector,
-    add,
-    add_to_row,
-    cross,
-    dot,
-    rotate,
-    rotate_back,
-    row,
-    scale,
-    subtract,
-)
+from .vectors import Vector, add, add_to_row, cross, dot, rotate, rotate_back, row, scale, subtract
 
 MAX_TURN = 1e-4
 """change of a gradient with which an old W still serves: corrections shrink by as much"""

@@ -15,16 +15,10 @@ Newton's method converges. Source: docs/theory.md, Contact of surfaces.
 import math
 
 from ..compiler.marks import compiled, entry
-from .complementarity import solve_closed, solve_complementarity, solve_set
-from .cone import by_law, factorize_law, solve_cone, substitute_law
-from .facing import (
-    face_slips,
-    face_target,
-    look_at_target,
-    place_nodes,
-    set_row_gaps,
-    slip_row,
-)
+from .complementarity import solve_closed, solve_complementarity
+from .cone import by_law, factorize_law, solve_cone
+from .facing import face_slips, face_target, look_at_target, place_nodes, set_row_gaps, slip_row
+from .lu import substitute_lu
 from .records.surfaces import Surfaces
 from .surface_approach import closing_speed, elastic_way, find_near, length
 from .surface_motion import set_base, set_displacements_by_load, wake
@@ -38,12 +32,7 @@ from .surface_rows import (
     set_gradient,
 )
 from .system import State, System, Workspace
-from .vectors import (
-    add,
-    rotate,
-    row,
-    subtract,
-)
+from .vectors import add, rotate, row, subtract
 
 LOOKS_PER_STEP = 2
 """iterates of a step at which tangent planes are laid"""
@@ -202,7 +191,18 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     if has_friction:
         count = _solve_with_friction(system, m, state, work)
     else:
-        count = _solve_without_friction(m, n, work)
+        count = solve_complementarity(
+            n,
+            out.W[m],
+            out.q,
+            out.held[0] == 1,
+            out.active,
+            out.factored[m],
+            out.factor[m],
+            out.order[m],
+            out.lam,
+            out.y,
+        )
     for r in range(n):
         i = out.candidate[m, r]
         if out.kind[m, r] == 0:
@@ -214,38 +214,6 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     load_nodes(system, m, state, work)
     push_bodies(system, m, state, work)
     _set_stiffness(system, m, max(count, 0), has_friction, state, work)
-
-
-@compiled
-def _solve_without_friction(m: int, n: int, work: Workspace) -> int:
-    """Forces and gaps of n candidates of island m; see `solve_complementarity`."""
-    out = work.surfaces
-    # Two calls, for a function as a value is more than the oldest numba compiles.
-    if out.held[0]:
-        count = solve_set(
-            n,
-            out.W[m],
-            out.q,
-            out.active,
-            out.factored[m],
-            out.factor[m],
-            out.order[m],
-            out.lam,
-            out.y,
-        )
-    else:
-        count = solve_complementarity(
-            n,
-            out.W[m],
-            out.q,
-            out.active,
-            out.factored[m],
-            out.factor[m],
-            out.order[m],
-            out.lam,
-            out.y,
-        )
-    return int(count)
 
 
 @compiled
@@ -363,4 +331,4 @@ def _answer(m: int, count: int, z: int, has_friction: bool, work: Workspace) -> 
     for a in range(count):
         r = out.order[m, a]
         out.y[a] = -by_law(out.active, out.law, r, r, out.trial, False)
-    substitute_law(count, out.factor[m], out.pivots, out.y)
+    substitute_lu(count, out.factor[m], out.pivots, out.y)

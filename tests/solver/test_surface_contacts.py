@@ -60,7 +60,7 @@ def solved(W, q, active=None):
     active = np.zeros(n, dtype=np.int64) if active is None else active
     factored, order = np.full(n, -1), np.zeros(n, dtype=np.int64)
     lam, y = np.zeros(n), np.zeros(n)
-    count = solve_complementarity(n, W, q, active, factored, np.zeros((n, n)), order, lam, y)
+    count = solve_complementarity(n, W, q, False, active, factored, np.zeros((n, n)), order, lam, y)
     return count, lam, y
 
 

@@ -120,12 +120,12 @@ class SurfaceBodies(Struct):
     """first entry of each body in `G`"""
     reach: Array = array("n_bodies")
     """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
-    mode_range: Index = array("n_bodies_1")
-    """first mode of each body in results, and in `SurfaceWork.mode`"""
-    mode: Index = array("n_m")
-    """mode of its body that each mode is a share of, of bodies of surfaces alone"""
+    source_range: Index = array("n_bodies_1")
+    """first mode of the file of each body, in results and in `SurfaceWork.source`"""
+    source: Index = array("n_m")
+    """mode of the file that each mode is a share of, of bodies of surfaces alone"""
     share: Array = array("n_m")
-    """this share: its coordinate times the share is a part of that of the mode"""
+    """root of this share: times it coordinates sum up to that of the source"""
     spread: Array = array("n")
     """B: displacements (3 n,) by each load pattern at amplitude 1, with the active dofs held"""
     spread_start: Index = array("n_t")
@@ -252,8 +252,10 @@ class SurfaceWork(Struct):
     """their gaps there [m]"""
     modal_load_n: Array = array("n_m")
     """loads of contacts on the modes at the start of the step"""
-    mode: Array = array("n_body_modes")
-    """coordinates of the modes of files, sums of those of their shares, or loads on them"""
+    source: Array = array("n_sources")
+    """coordinates of the modes of files, sums of those of their shares"""
+    source_load: Array = array("n_sources")
+    """loads of contacts on these modes"""
     modal_step: Array = array("n_m")
     """modal coordinates that the loads of contacts cause within the step"""
     free: Array = array("n_nodes", 3)
