@@ -64,6 +64,15 @@ def test_a_block_rests_on_the_floor_with_its_weight(gap, rotation):
     assert stays(motion)
 
 
+def test_a_block_on_its_edge_tips_over_on_to_its_face():
+    """A long way, in steps in which rows close and open."""
+    contact = replace(FLOOR, friction=0.3)
+    motion = Motion(resting({"block": placed(0.0055, rotation=(0.0, 0.6, 0.0))}, [contact]))
+    assert motion.state.bodies.x[0, 2] == pytest.approx(0.5 * EDGE, abs=1e-10)
+    assert motion.state.surfaces.normal_force[0] == pytest.approx(block().mass * G, rel=ROUNDED)
+    assert stays(motion)
+
+
 def test_the_start_is_where_a_damped_block_comes_to_rest():
     element = block()
     modes = replace(element.modes, zeta=np.full(len(element.modes.omega), 0.5))
