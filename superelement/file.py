@@ -255,6 +255,8 @@ def _put_rotation(file: h5py.File, rotation: Rotation) -> None:
     put(parent, "T", rotation.T, "1")
     put(parent, "A_interface", rotation.A_interface, "1/(kg m), 1/(kg m^2)")
     put(parent, "A_inertia", rotation.A_inertia, "1")
+    if rotation.A_surface is not None:
+        put(parent, "A_surface", rotation.A_surface, "1/(kg m)")
     put(parent, "gyroscopic", rotation.gyroscopic, "1")
     put(parent, "kappa", rotation.kappa, "1")
     if rotation.cubic is not None:
@@ -515,9 +517,10 @@ def _rotation(file: h5py.File, n_c: int) -> Rotation | None:
         A_inertia=numbers(file, "rotation/A_inertia", N_INERTIA_CHANGES, r, r),
         gyroscopic=numbers(file, "rotation/gyroscopic", 3, r, r),
         kappa=numbers(file, "rotation/kappa", "candidates"),
+        A_surface=_optional(file, "rotation/A_surface", "3 n", r, r),
         n_low=_count(attributes, "n_low"),
-        cubic=_energy(file, "rotation/cubic", 3),
-        quartic=_energy(file, "rotation/quartic", 4),
+        cubic=_optional(file, "rotation/cubic", *["k"] * 3),
+        quartic=_optional(file, "rotation/quartic", *["k"] * 4),
     )
     if rotation.n_low + 2 * (n_soft := _count(attributes, "n_soft")) != r:
         raise SuperelementError(
@@ -536,8 +539,8 @@ def _count(attributes: h5py.Group, name: str) -> int:
     return int(found)
 
 
-def _energy(file: h5py.File, name: str, order: int) -> Array | None:
-    return numbers(file, name, *["k"] * order) if name in file else None
+def _optional(file: h5py.File, name: str, *shape: str | int) -> Array | None:
+    return numbers(file, name, *shape) if name in file else None
 
 
 def _channels(file: h5py.File, n_c: int, kernel: Kernel) -> Channels | None:

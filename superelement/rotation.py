@@ -40,6 +40,8 @@ class Rotation:
         How much loads stiffen the body in each coordinate that was considered, relative to the
         largest, in descending order; empty where this is unknown, so that nothing stiffens.
     n_low : int
+    A_surface : (3 n, r, r), optional [1/(kg m)]
+        That of displacements of the nodes of surfaces; of bodies that have them.
     cubic : (k, k, k), optional
         Symmetric; given together with `quartic`.
     quartic : (k, k, k, k), optional
@@ -67,6 +69,7 @@ class Rotation:
     gyroscopic: Array
     kappa: Array
     n_low: int
+    A_surface: Array | None = None
     cubic: Array | None = None
     quartic: Array | None = None
 
@@ -84,6 +87,10 @@ class Rotation:
         for name, shape in shapes.items():
             array = checked(f"rotation: {name}", getattr(self, name), shape)
             object.__setattr__(self, name, array)
+        if self.A_surface is not None:
+            A_surface = checked("rotation: A_surface", self.A_surface, ("3 n", r, r))
+            object.__setattr__(self, "A_surface", A_surface)
+            _check_bilinear("A_surface", A_surface)
         if (self.cubic is None) != (self.quartic is None):
             raise SuperelementError("rotation: expected both or none of cubic and quartic")
         if self.cubic is not None:

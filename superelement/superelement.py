@@ -209,6 +209,12 @@ class Superelement:
                 f"rotation: A_interface: expected {n_c} rows, the dofs of the interfaces, "
                 f"found {len(rotation.A_interface)}"
             )
+        rows = 0 if self.surfaces is None else 3 * self.surfaces.n
+        if rotation.A_surface is not None and len(rotation.A_surface) != rows:
+            raise SuperelementError(
+                f"rotation: A_surface: expected {rows} rows, three of each node of surfaces, "
+                f"found {len(rotation.A_surface)}"
+            )
         n_modes = 0 if self.modes is None else len(self.modes.omega)
         if rotation.T.shape[1] != n_modes:
             raise SuperelementError(

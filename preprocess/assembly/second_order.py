@@ -143,6 +143,12 @@ class SecondOrder:
             self.structure.P_C @ self.structure.rigid.A, self._moved_back(motions)
         )
 
+    def nodes(self, rows: Any, motions: Array) -> Array:
+        """The same (k, r, r) of displacements `rows` (k, n_u) of nodes: that the body is moved
+        back.
+        """
+        return _times(rows @ self.structure.rigid.A, self._moved_back(motions))
+
     def measured(self, motions: Array) -> Array:
         """As `interfaces`, of a body that is not moved back."""
         return np.concatenate([self._second(frame, motions) for frame in self.frames])

@@ -13,6 +13,8 @@ from ..body.body import NonlinearCoordinates
 from ..mesh.mesh import NO_NODES, IntArray
 from ..responses.shapes import Shapes
 from ..responses.static import refined, static_solver
+from ..responses.surfaces import COLUMNS_AT_ONCE
+from ..solving.factor import Solve
 from .coordinates import Coordinates, choose, lowest
 from .statics import Statics, Stiffening, statics
 
@@ -36,7 +38,7 @@ def reduced_rotation(
     Psi = shapes.combined(q.Y)
     # Of interfaces and of the six changes of inertia, which respond to the same stress.
     stress = _foreshortening(second, fields, Psi, q.squares)
-    n_c = len(modes.phi)
+    n_c, nodes = len(modes.phi), _of_surfaces(structure, second, Psi, q.squares)
     cubic, quartic = (
         _energy(structure, second, Psi, q.squares) if asked.level == 2 else (None, None)
     )
@@ -47,6 +49,7 @@ def reduced_rotation(
         A_inertia=q.placed(stress[n_c:], q.by_stiffness)
         + q.placed(_symmetric(second.inertia(Psi)), q.by_mass),
         gyroscopic=q.placed(second.gyroscopic(Psi), q.by_mass),
+        A_surface=None if nodes is None else q.placed(nodes, q.by_stiffness),
         kappa=q.kappa,
         n_low=q.n_low,
         cubic=cubic,
@@ -97,19 +100,39 @@ def _foreshortening(
     return _symmetric(A)
 
 
+def _of_surfaces(
+    structure: Structure, second: SecondOrder, Psi: Array, squares: Array
+) -> Array | None:
+    """As `_foreshortening`, of the displacements (3 n, n, n) of the nodes of surfaces."""
+    if structure.surfaces is None:
+        return None
+    rows = structure.surfaces.rows
+    A = second.nodes(rows, Psi)
+    if second.elements.strain_energy:
+        solve = static_solver(structure)
+        for start in range(0, len(A), COLUMNS_AT_ONCE):
+            some = slice(start, start + COLUMNS_AT_ONCE)
+            A[some] -= second.third(
+                _rest(structure, solve, rows[some].T.toarray(), Psi, squares), Psi
+            )
+    return _symmetric(A)
+
+
+def _rest(structure: Structure, solve: Solve, f: Array, Psi: Array, squares: Array) -> Array:
+    """K_w^+ P^T f, for loads (n_u, k)."""
+    balanced = relieve(f, structure.U, structure.M)
+    u = refined(structure, solve, balanced)
+    return np.asarray(u - Psi @ ((Psi.T @ balanced) / squares[:, None]))
+
+
 def _energy(
     structure: Structure, second: SecondOrder, Psi: Array, squares: Array
 ) -> tuple[Array, Array]:
     """cubic (n, n, n) and quartic (n, n, n, n): with both, the strain energy is never negative."""
     solve = static_solver(structure)
-
-    def respond(f: Array) -> Array:
-        """K_w^+ P^T f, for loads (n_u, k)."""
-        balanced = relieve(f, structure.U, structure.M)
-        u = refined(structure, solve, balanced)
-        return np.asarray(u - Psi @ ((Psi.T @ balanced) / squares[:, None]))
-
-    return second.cubic(Psi), second.quartic(Psi, respond)
+    return second.cubic(Psi), second.quartic(
+        Psi, lambda f: _rest(structure, solve, f, Psi, squares)
+    )
 
 
 def _symmetric(A: Array) -> Array:

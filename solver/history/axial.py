@@ -20,6 +20,7 @@ forces of translation have none about the center of mass:
 
     N = sum_i (e . X_i)(e . p_i) / L
 
+and likewise of the forces of contacts on the nodes of surfaces.
 A spin omega adds the tension of the centrifugal forces about the center of mass,
 
     N = (omega^2 - (e . omega)^2) int (e . x)^2 dm / L,       int x x^T dm = tr J / 2 I - J
@@ -63,6 +64,7 @@ def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
     shares: list[float] = []
     weights: list[Array] = []
     lines: list[Array] = []
+    factors: list[float] = []
     spreads: list[float] = []
     of_body: list[int] = []
     for e, body in enumerate(bodies):
@@ -73,6 +75,7 @@ def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
             weight = _dipole(element, line, factor)
             weights.append(np.pad(weight, (0, body.n_dofs - len(weight))))
             lines.append(line)
+            factors.append(factor)
             spreads.append(factor * _second_moment(element, line))
             of_body.append(e)
             shares.append(_share(element, h))
@@ -82,7 +85,8 @@ def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
         start=start,
         weight=together,
         line=np.array(lines).reshape(-1, 3),
-        spread=np.array(spreads),
+        factor=np.array(factors, dtype=np.float64),
+        spread=np.array(spreads, dtype=np.float64),
         share=np.array(shares),
     )
 

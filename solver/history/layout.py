@@ -328,9 +328,7 @@ def _with_surfaces(
 ) -> _History:
     """The history of a body with surfaces in contact, whose modes move up to a band."""
     element, problem = body.superelement, ""
-    if body.rotation is not None:
-        problem = "terms of second order (give it second_order = 'off')"
-    elif stepping.weight != 1.0:
+    if stepping.weight != 1.0:
         problem = "rule 'paper'"
     elif settings.history not in ("auto", "recursive"):
         problem = f"history {str(settings.history)!r}"

@@ -33,8 +33,12 @@ class Shares(NamedTuple):
 
     def of(self, modes: Modes) -> Modes:
         """The split modes."""
+        chain = modes.chain
+        if chain is not None and chain.amplitude.ndim == 2:
+            chain = replace(chain, amplitude=chain.amplitude[:, self.source])
         return replace(
             modes,
+            chain=chain,
             omega=modes.omega[self.source],
             zeta=np.where(self.quasi_static, 0.0, modes.zeta[self.source]),
             phi=self.shapes(modes.phi),

@@ -183,9 +183,8 @@ def _is_stiffened(body: FlexibleBody) -> bool:
 
 def _axial_load(pose: Pose, e: int) -> float:
     """The largest axial force of a body over its Euler load, as runs have it (step/axial.py)."""
-    elastic = pose.system.elastic
-    own = np.flatnonzero(elastic.axial.body == e).tolist()
-    return max((abs(axial_force(elastic, i, pose.state)) for i in own), default=np.nan)
+    own = np.flatnonzero(pose.system.elastic.axial.body == e).tolist()
+    return max((abs(axial_force(pose.system, i, pose.state)) for i in own), default=np.nan)
 
 
 def _highest(form: FirstOrder, modes: LinearModes, e: int) -> float:

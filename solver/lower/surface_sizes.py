@@ -46,6 +46,7 @@ def sizes_of_surfaces(surfaces: Surfaces) -> Mapping[str, int]:
         "n_most_rows": max((int(rows[own].sum()) for own in members), default=0),
         "n_most_coordinates": int(contacts.coordinates.max(initial=0)),
         "n_stiffness": int((contacts.coordinates**2).sum()),
+        "n_node_slopes": int(bodies.slope[-1]),
         "n_sources": int(bodies.source_range[-1]),
         "n_most_displacements": 3 * int(np.diff(bodies.node).max(initial=0)),
     }

@@ -20,6 +20,10 @@ from .patches import Patch, lay_out_facets, lay_out_patches, starts
 
 DEPTH_BEYOND = 0.5
 """depth behind a patch, over its radius, at which a point is not below it but beyond it"""
+LEAST_SURFACE_FLEXIBILITY = 1e-6
+"""scaled flexibility of the nodes of surfaces with interfaces held, of which forces are found"""
+LEAST_FLEXIBILITY = 1e-12
+"""scaled flexibility of a motion of interfaces, relative to the largest, that counts as none"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +163,7 @@ def _lay_out_bodies(
     phi, phi_start = packed([motion.phi for motion in motions], owners)
     T, T_start = packed([motion.T for motion in motions], owners)
     G, G_start = packed([motion.G for motion in motions], owners)
+    A, A_start = packed([motion.A for motion in motions], owners)
     bodies = elastic.body[numbers].tolist()
     return SurfaceBodies(
         flexible=as_index(numbers),
@@ -172,7 +177,14 @@ def _lay_out_bodies(
         T_start=T_start,
         G=G,
         G_start=G_start,
+        A=A,
+        A_start=A_start,
+        slope=starts(motion.A.size // max(motion.A.shape[1], 1) for motion in motions),
         reach=np.array([motion.reach for motion in motions], dtype=np.float64),
+        second_reach=np.array(
+            [_largest_length(np.linalg.norm(motion.A, axis=(1, 2))) for motion in motions],
+            dtype=np.float64,
+        ),
         source_range=starts(motion.n_modes for motion in motions),
         source=as_index(source),
         share=share,
@@ -201,7 +213,7 @@ def _spread_loads(
 
 def _largest_length(u: Array) -> float:
     """The length of the longest of the vectors (3 n,) of n nodes."""
-    return float(np.linalg.norm(u.reshape(-1, 3), axis=1).max())
+    return float(np.linalg.norm(u.reshape(-1, 3), axis=1).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,6 +224,7 @@ class _Motion:
     T: Array
     G: Array
     B: Array
+    A: Array
     reach: float
     shares: Shares
     n_modes: int
@@ -225,7 +238,7 @@ def _motion(
     elastic: Elastic,
     stepping: Stepping,
 ) -> _Motion:
-    element = model.flexible_bodies[name].superelement
+    element, second = model.flexible_bodies[name].superelement, model.flexible_bodies[name].rotation
     surfaces, modes = element.surfaces, element.modes
     assert surfaces is not None
     assert modes is not None
@@ -246,23 +259,56 @@ def _motion(
     active = elastic.active[elastic.active_range[e] : elastic.active_range[e + 1]]
     phi_P = phi_J[element.n_c : element.n_c + len(element.patterns)]
     phi_J = phi_J[active - elastic.dof[e]]
-    # With fewer modes some motions of the interfaces would leave that of the nodes open.
-    if (rank := np.linalg.matrix_rank(phi_J)) < len(active):
-        raise ModelError(
-            f"body {name!r}: its surfaces are in contact, and joints, springs or loads act on "
-            f"{len(active)} dofs of its interfaces: expected as many modes that differ there, "
-            f"found {rank}"
-        )
     # Active dofs are unknowns of Newton's method: G is what is left while they are held.
     G_CJ, G_JJ = (phi * per_mode) @ phi_J.T, (phi_J * per_mode) @ phi_J.T
-    T = np.linalg.solve(G_JJ, G_CJ.T).T if len(active) else np.empty((len(dofs), 0))
+    T = G_CJ @ _inverse(G_JJ)
     G = (phi * per_mode) @ phi.T + residual - T @ G_CJ.T
+    if len(active):
+        _check_free(name, patches, G)
     B = (phi * per_mode) @ phi_P.T - T @ ((phi_J * per_mode) @ phi_P.T)
     # |u|^2 <= sum phi^2 / stiffness times sum stiffness eta^2, which is twice the energy.
     squares = ((phi / np.sqrt(elastic.modes.stiffness[own])) ** 2).sum(axis=1)
     reach = float(np.sqrt(2.0 * squares.reshape(-1, 3).sum(axis=1).max()))
     # Symmetric to the last bit: the loop reads rows of G as columns.
-    return _Motion(shapes, T, 0.5 * (G + G.T), B, reach, shares, len(modes.omega))
+    A = np.empty((0, 0, 0))
+    if second is not None:
+        if second.A_surface is None:
+            raise ModelError(
+                f"body {name!r}: its surfaces are in contact, and superelement {element.name!r} "
+                "has no terms of second order of them: preprocess it again, or give the body "
+                "second_order = 'off'"
+            )
+        A = second.A_surface[dofs]
+    return _Motion(shapes, T, 0.5 * (G + G.T), B, A, reach, shares, len(modes.omega))
+
+
+def _check_free(name: str, patches: Sequence[Patch], G: Array) -> None:
+    """`ModelError` where nodes of surfaces cannot move against the interfaces of their body."""
+    # Surfaces may share nodes, which then move as one.
+    nodes = np.concatenate([patch.surface.nodes for patch in patches])
+    rows = (3 * np.unique(nodes, return_index=True)[1][:, None] + np.arange(3)).ravel()
+    own = G[np.ix_(rows, rows)]
+    scale = 1.0 / np.sqrt(np.diag(own))
+    try:
+        np.linalg.cholesky(
+            scale[:, None] * own * scale - LEAST_SURFACE_FLEXIBILITY * np.eye(len(own))
+        )
+    except np.linalg.LinAlgError:
+        raise ModelError(
+            f"body {name!r}: its surfaces are in contact, and all nodes of an interface lie on "
+            "them that joints, springs or loads act on, or that [rotation] loaded has: expected "
+            "nodes elsewhere"
+        ) from None
+
+
+def _inverse(G: Array) -> Array:
+    """The inverse of a flexibility (n, n); of motions that no mode has, that of the others."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(G), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(scale[:, None] * G * scale)
+    kept = values > LEAST_FLEXIBILITY * values.max(initial=0.0)
+    factor = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
+    inverse: Array = factor @ factor.T
+    return inverse
 
 
 def _lay_out_contacts(

@@ -45,8 +45,10 @@ from .second_order import (
     add_second_order_rows,
     add_second_order_tangent,
     load_second_order,
+    set_slopes,
 )
 from .surface_motion import load_surface_bodies
+from .surface_second import add_node_curvature_slopes, load_coordinates
 from .surfaces import add_surface_scales, add_surface_tangents, press_surfaces
 from .system import State, System, Workspace
 
@@ -57,6 +59,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     frames = system.frames
     # The order matters: frames need rates, couplings need frames, bodies need all wrenches.
     set_rates(system.elastic, system.scheme, state, work)
+    set_slopes(system.elastic, state, work)
     move_frames(frames, frames.n_acting, state, work)
     move_frame_velocities(frames, frames.n_acting, state, work)
     work.frames.wrench[:] = 0.0
@@ -67,6 +70,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     load_surface_bodies(system, state, work)
     load_patterns(system.patterns, state, work)
     load_second_order(system.elastic, state, work)
+    load_coordinates(system, state, work)
     add_inertia_forces(system.bodies, state, work)
     set_compatibility(system.elastic, state, work)
     add_pattern_displacements(system.elastic, system.scheme, system.patterns, work)
@@ -93,6 +97,7 @@ def assemble(system: System, state: State, work: Workspace) -> None:
     """The iteration matrix from K, B and A."""
     assemble_rows(system, work)
     add_second_order_rows(system, state, work)
+    add_node_curvature_slopes(system, state, work)
     # After all forces, whose rows it weighs, and before the inertia, which is added as it is.
     weigh_forces(system, work)
     add_inertia(system, state, work)

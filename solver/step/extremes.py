@@ -56,7 +56,7 @@ def start_extremes(system: System, state: State, work: Workspace) -> None:
         if k >= 0:
             state.contacts.work_done[k] = stored
     start_bodies(system.bodies, state, work)
-    start_axial_forces(system.elastic, state)
+    start_axial_forces(system, state)
     _follow_state(system, state, work)
 
 
@@ -72,7 +72,7 @@ def _follow_state(system: System, state: State, work: Workspace) -> None:
     _follow_frames(system.frames, system.elastic, state)
     _follow_spins(state)
     _follow_inertia(system.elastic, state, work)
-    follow_axial_forces(system.elastic, state)
+    follow_axial_forces(system, state)
     _follow_constraints(system.couplings, state, work)
     # Changes over steps of two sizes cannot be summed.
     if system.scheme.stride == system.scheme.ratio:

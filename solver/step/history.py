@@ -145,8 +145,10 @@ def _free_response(elastic: Elastic, scheme: Scheme, state: State, work: Workspa
         modes.acceleration[i] = ratio * a[i] + before
     copy(a, modes.a)
     _forget_inertia(elastic, state)
-    for w in range(len(data.quasi_static)):  # they have no motion of their own
-        modes.eta[data.quasi_static[w]] = 0.0
+    for w in range(len(data.quasi_static)):
+        # They have no motion of their own, but the springs of a chain relax.
+        if data.chains.hardening[data.quasi_static[w]] == 0.0:
+            modes.eta[data.quasi_static[w]] = 0.0
 
 
 @compiled

@@ -80,11 +80,11 @@ def add_curvatures(elastic: Elastic, state: State, work: Workspace) -> None:
         r, first = second.r[e], first_coordinate(elastic, e)
         if r == 0:
             continue
-        i, row = elastic.active_range[e], second.row[e]
+        i = elastic.active_range[e]
         for k in range(elastic.dof[e], first):
             if elastic.active[i] == k:
-                now = 0.5 * inner(work.second.slope[row : row + r], u[first : first + r])
-                i, row = i + 1, row + r
+                now = active_curvature(elastic, e, i, u, work)
+                i += 1
             else:
                 now = _curvature(elastic, e, k, u)
             # Loads do work on this part through f_q, so that `add_elastic_work` takes it off u.
@@ -114,26 +114,47 @@ def _curvature(elastic: Elastic, e: int, k: int, u: Array) -> float:
 
 
 @compiled
+def active_curvature(elastic: Elastic, e: int, i: int, u: Array, work: Workspace) -> float:
+    """1/2 A(q, q) of active dof i of body e, with the slope at hand; 0 of the coordinates q."""
+    second = elastic.second
+    r, first = second.r[e], first_coordinate(elastic, e)
+    if r == 0 or elastic.active[i] >= first:
+        return 0.0
+    row = second.row[e] + (i - elastic.active_range[e]) * r
+    return 0.5 * inner(work.second.slope[row : row + r], u[first : first + r])
+
+
+@compiled
+def subtract_slopes(elastic: Elastic, e: int, work: Workspace, D: Array) -> None:
+    """Derivatives D by y of the active dofs of body e become those by u = y + 1/2 A(q, q)."""
+    r = elastic.second.r[e]
+    n = elastic.active_range[e + 1] - elastic.active_range[e] - r
+    if r:
+        for i in range(n):
+            slope = elastic.second.row[e] + i * r
+            _add_scaled(-D[i], work.second.slope[slope : slope + r], D[n : n + r])
+
+
+@compiled
 def load_second_order(elastic: Elastic, state: State, work: Workspace) -> None:
-    """pi behind the interface loads, with A q and what the moments of the bodies need."""
+    """pi behind the interface loads, with what the moments of the bodies need."""
     second = elastic.second
     for e in range(len(second.r)):
         if second.r[e]:
-            _set_slopes(elastic, e, state, work)
             _follow_inertia(elastic, e, state, work)
             _set_loads(elastic, e, state, work)
 
 
 @compiled
-def _set_slopes(elastic: Elastic, e: int, state: State, work: Workspace) -> None:
-    """`slope` = A q"""
-    second = elastic.second
-    r, first = second.r[e], first_coordinate(elastic, e)
-    slope = work.second.slope[second.row[e] : second.row[e + 1]]
-    slope[:] = 0.0
-    _add_products(
-        second.A_active, second.A_active_start[e], state.interfaces.u[first : first + r], slope
-    )
+def set_slopes(elastic: Elastic, state: State, work: Workspace) -> None:
+    """`slope` = A q of all bodies."""
+    second, u = elastic.second, state.interfaces.u
+    work.second.slope[:] = 0.0
+    for e in range(len(second.r)):
+        if second.r[e]:
+            q = u[first_coordinate(elastic, e) : elastic.dof[e + 1]]
+            slope = work.second.slope[second.row[e] : second.row[e + 1]]
+            _add_products(second.A_active, second.A_active_start[e], q, slope)
 
 
 @compiled
@@ -245,14 +266,10 @@ def hardening_energy(elastic: Elastic, e: int, u: Array) -> float:
 @compiled
 def add_second_order_residual(elastic: Elastic, state: State, work: Workspace) -> None:
     """Compatibility of z: 1/2 A(q, q) joins history + G_0 pi - z."""
-    second, u, residual = elastic.second, state.interfaces.u, work.interfaces.residual
-    for e in range(len(second.r)):
-        r, first = second.r[e], first_coordinate(elastic, e)
-        if r == 0:
-            continue
-        for i in range(elastic.active_range[e + 1] - elastic.active_range[e] - r):
-            slope = work.second.slope[second.row[e] + i * r : second.row[e] + (i + 1) * r]
-            residual[elastic.active_range[e] + i] += 0.5 * inner(slope, u[first : first + r])
+    u, residual = state.interfaces.u, work.interfaces.residual
+    for e in range(len(elastic.second.r)):
+        for i in range(elastic.active_range[e], elastic.active_range[e + 1]):
+            residual[i] += active_curvature(elastic, e, i, u, work)
 
 
 @compiled

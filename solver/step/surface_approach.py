@@ -9,10 +9,11 @@ import math
 from ..compiler.marks import compiled
 from .facing import target_axes, target_origin
 from .records.surfaces import Surfaces
+from .second_order import first_coordinate
 from .surface_motion import wake
 from .surface_shapes import distance_from_shape
 from .system import State, System, Workspace
-from .vectors import Vector, add, cross, dot, rotate, row, scale, subtract
+from .vectors import Vector, add, cross, dot, inner, rotate, row, scale, subtract
 
 MAX_LOOKS_AHEAD = 10000
 """places of a patch on its way within a step that are looked at"""
@@ -166,6 +167,9 @@ def _stretch(system: System, p: int, state: State, work: Workspace) -> float:
         energy += 0.5 * modes.stiffness[i] * state.modes.eta[i] ** 2
         energy += 0.5 * state.modes.rate[i] ** 2
     way, patterns = surfaces.bodies.reach[s] * math.sqrt(energy), system.patterns
+    first, last = first_coordinate(system.elastic, e), system.elastic.dof[e + 1]
+    q = state.interfaces.u[first:last]
+    way += surfaces.bodies.second_reach[s] * inner(q, q)
     for t in range(len(patterns.body)):
         if patterns.body[t] == surfaces.patches.body[p]:
             amplitude = abs(work.loads.value[patterns.signal[t]])

@@ -16,6 +16,8 @@ from ..compiler.memory import copy
 from .facing import place_nodes
 from .frames import move_frames
 from .records.surfaces import Surfaces
+from .second_order import active_curvature
+from .surface_second import node_curvature, set_node_slopes
 from .system import State, System, Workspace
 from .vectors import Vector, add_to_row, inner, rotate, row
 
@@ -40,13 +42,12 @@ def keep_places(system: System, state: State, work: Workspace) -> None:
     move_frames(system.frames, system.frames.n_acting, state, work)
     for s in range(len(surfaces.bodies.flexible)):
         if not out.awake[s]:
-            add_up_modes(system, s, state, work)
+            # Nothing presses a body that sleeps: its modes alone move it.
+            move_freely(system, s, state, work)
+            continue
         for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
             for x in range(3):
-                out.by_load[k, x] = 0.0
-                # Nothing presses a body that sleeps: its modes alone move it.
-                u = state.surfaces.u[k, x] if out.awake[s] else _by_modes(system, s, k, x, work)
-                out.base[k, x] = u
+                out.base[k, x], out.by_load[k, x] = state.surfaces.u[k, x], 0.0
     for c in range(len(contacts.patch)):
         if contacts.slip_row[c] < 0:
             continue
@@ -212,6 +213,19 @@ def wake(system: System, s: int, state: State, work: Workspace) -> None:
 
 
 @compiled
+def move_freely(system: System, s: int, state: State, work: Workspace) -> None:
+    """Displacements of the nodes of a body by its modes alone."""
+    bodies, out = system.surfaces.bodies, work.surfaces
+    add_up_modes(system, s, state, work)
+    set_node_slopes(system, s, state, work)
+    for k in range(bodies.node[s], bodies.node[s + 1]):
+        for x in range(3):
+            by_bending = node_curvature(system, s, k, x, state, work)
+            out.base[k, x] = _by_modes(system, s, k, x, work) + by_bending
+            out.by_load[k, x] = 0.0
+
+
+@compiled
 def add_up_modes(system: System, s: int, state: State, work: Workspace) -> None:
     """Coordinates of the modes of body s: the sums of those of their shares."""
     bodies, modes = system.surfaces.bodies, system.elastic.modes
@@ -237,15 +251,18 @@ def set_base(system: System, s: int, state: State, work: Workspace) -> None:
     bodies, elastic, out = system.surfaces.bodies, system.elastic, work.surfaces
     e, first = bodies.flexible[s], bodies.node[s]
     begin, end = elastic.active_range[e], elastic.active_range[e + 1]
-    n_a = end - begin
+    n_a, u = end - begin, state.interfaces.u
+    change = out.change[:n_a]
+    set_node_slopes(system, s, state, work)
+    for i in range(begin, end):
+        z = elastic.active[i]
+        by_loads = u[z] - work.interfaces.history[z]
+        change[i - begin] = by_loads - active_curvature(elastic, e, i, u, work)
     for k in range(first, bodies.node[s + 1]):
         for x in range(3):
-            total, place = out.free[k, x], bodies.T_start[s] + (3 * (k - first) + x) * n_a - begin
-            for i in range(begin, end):
-                z = elastic.active[i]
-                change = state.interfaces.u[z] - work.interfaces.history[z]
-                total += bodies.T[place + i] * change
-            out.base[k, x] = total
+            place = bodies.T_start[s] + (3 * (k - first) + x) * n_a
+            moved = out.free[k, x] + inner(bodies.T[place : place + n_a], change)
+            out.base[k, x] = moved + node_curvature(system, s, k, x, state, work)
     _add_spread_loads(system, s, work)
 
 

@@ -36,5 +36,7 @@ def rest_on_surfaces(system: System, state: State, work: Workspace) -> None:
     keep_start(system, state, work)
     finish_surfaces(system, state, work)
     total_surfaces(system, state, work)
+    # The search has static compliances.
+    out.W_count[:] = 0
     # Until the first step contacts do not act: what evaluates the start must not move them.
     out.looks[0] = -1

@@ -13,7 +13,9 @@ from ..compiler.marks import compiled
 from .facing import deformed, slip_row, support_of, target_axes, target_origin
 from .frames import coordinate, pull_back, width
 from .records.surfaces import Surfaces
+from .second_order import subtract_slopes
 from .surface_motion import add_by_interfaces, layer_compliance, set_displacements_by_load
+from .surface_second import add_slopes
 from .system import State, System, Workspace
 from .vectors import Vector, add, add_to_row, cross, dot, rotate, rotate_back, row, scale, subtract
 
@@ -295,6 +297,10 @@ def set_derivative(system: System, m: int, r: int, D: Array, state: State, work:
     for j in range(begin, end):
         b = row(out.gradient, first + j - begin)
         add_by_interfaces(system, s, patches.support[j], b, own + 6, D)
+    coordinates = _coordinates(system, s, D[own + 6 :], work)
+    for j in range(begin, end):
+        b = row(out.gradient, first + j - begin)
+        add_slopes(system, s, patches.support[j], b, coordinates, work)
     # A target that is fixed in space has no coordinates.
     if other < 0:
         return
@@ -314,3 +320,16 @@ def set_derivative(system: System, m: int, r: int, D: Array, state: State, work:
     s = patches.owner[contacts.target[c]]
     for j in range(begin, end):
         add_by_interfaces(system, s, out.other[j], row(out.other_gradient, j), other + 6, D)
+    coordinates = _coordinates(system, s, D[other + 6 :], work)
+    for j in range(begin, end):
+        b = row(out.other_gradient, j)
+        add_slopes(system, s, out.other[j], b, coordinates, work)
+
+
+@compiled
+def _coordinates(system: System, s: int, D: Array, work: Workspace) -> Array:
+    """The part of D of the coordinates q of body s, once active dofs count by their u."""
+    elastic, e = system.elastic, system.surfaces.bodies.flexible[s]
+    subtract_slopes(elastic, e, work, D)
+    n = elastic.active_range[e + 1] - elastic.active_range[e]
+    return D[n - elastic.second.r[e] : n]

@@ -21,7 +21,7 @@ from .facing import face_slips, face_target, look_at_target, place_nodes, set_ro
 from .lu import substitute_lu
 from .records.surfaces import Surfaces
 from .surface_approach import closing_speed, elastic_way, find_near, length
-from .surface_motion import set_base, set_displacements_by_load, wake
+from .surface_motion import move_freely, set_base, set_displacements_by_load
 from .surface_rows import (
     is_W_outdated,
     load_nodes,
@@ -137,13 +137,9 @@ def _add_scale(b: int, force: float, arm: float, work: Workspace) -> None:
 @entry
 def measure_surfaces(system: System, state: State, work: Workspace) -> None:
     """The gaps of all rows before any of them acts: their bodies are where frames and modes say."""
-    surfaces, out = system.surfaces, work.surfaces
+    surfaces = system.surfaces
     for s in range(len(surfaces.bodies.flexible)):
-        wake(system, s, state, work)
-        for k in range(surfaces.bodies.node[s], surfaces.bodies.node[s + 1]):
-            for x in range(3):
-                out.base[k, x], out.by_load[k, x] = out.free[k, x], 0.0
-        out.awake[s] = 0
+        move_freely(system, s, state, work)
     for c in range(len(surfaces.contacts.patch)):
         place_nodes(system, c, state, work)
         look_at_target(system, c, math.inf, work)

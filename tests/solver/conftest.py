@@ -192,12 +192,21 @@ def with_second_order() -> Callable[..., Superelement]:
                 A_inertia=thin**2 * second.A_inertia,
                 gyroscopic=thin * second.gyroscopic,
                 A_interface=10.0 * second.A_interface / (mass * size),
+                A_surface=_random_nodes(element, r, seed),
                 cubic=None,
                 quartic=None,
             ),
         )
 
     return make
+
+
+def _random_nodes(element: Superelement, r: int, seed: int) -> np.ndarray | None:
+    """A of the nodes of surfaces, of the size that it could have."""
+    if element.surfaces is None:
+        return None
+    A = np.random.default_rng(seed).standard_normal((3 * element.surfaces.n, r, r))
+    return 10.0 * symmetrized(A, (1, 2)) / (element.mass * element.size)
 
 
 def symmetrized(A: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:

@@ -38,7 +38,7 @@ def block(n=3, ends=False, edge=EDGE, spread=False):
         part.interface("right", du.plane(x=half))
     if spread:
         part.load("press", du.plane(z=half), pressure=1.0 / edge**2)
-    return _quietly(part, step=1e-6, band=4e5)
+    return quietly(part, step=1e-6, band=4e5)
 
 
 @cache
@@ -49,10 +49,10 @@ def arm():
     part.surface("low", du.box([0.06, -0.005, -0.0021], [0.081, 0.005, -0.0019]))
     part.interface("root", du.plane(x=0.0))
     part.interface("tip", du.plane(x=0.08))
-    return _quietly(part, step=2e-7, band=1.5e5)
+    return quietly(part, step=2e-7, band=1.5e5)
 
 
-def _quietly(part, **impulse):
+def quietly(part, **impulse):
     with warnings.catch_warnings():
         # of the few elements in a wave: these bodies are compared with themselves
         warnings.simplefilter("ignore", du.preprocess.PlausibilityWarning)

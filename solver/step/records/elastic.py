@@ -119,6 +119,8 @@ class AxialForces(Struct):
     """axial force per load on a dof, over the critical load"""
     line: Array = array("n_axial", 3)
     """direction of each force, in body axes"""
+    factor: Array = array("n_axial")
+    """1 / (critical load times length) of each [1/(N m)]"""
     spread: Array = array("n_axial")
     """second moment of the mass along the line, over critical load and length [s^2]"""
     share: Array = array("n_axial")

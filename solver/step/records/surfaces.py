@@ -118,8 +118,16 @@ class SurfaceBodies(Struct):
     """compliances (3 n, 3 n) with the active dofs held, one body after the other"""
     G_start: Index = array("n_bodies")
     """first entry of each body in `G`"""
+    A: Array = array("n")
+    """second order (3 n, r, r) by the coordinates q, one body after the other"""
+    A_start: Index = array("n_bodies")
+    """first entry of each body in `A`"""
+    slope: Index = array("n_bodies_1")
+    """first of the slopes A q (3 n, r) of each body"""
     reach: Array = array("n_bodies")
     """largest displacement of a node per root of the strain energy of the modes [m/sqrt(J)]"""
+    second_reach: Array = array("n_bodies")
+    """largest displacement of second order of a node per square of q"""
     source_range: Index = array("n_bodies_1")
     """first mode of the file of each body, in results and in `SurfaceWork.source`"""
     source: Index = array("n_m")
@@ -376,5 +384,9 @@ class SurfaceWork(Struct):
     """force and moment about the center of mass on each body of surfaces, in body axes [N, N m]"""
     interface_load: Array = array("n_a")
     """T^T f, the loads of contacts as loads on active dofs [N, N m]"""
+    slope: Array = array("n_node_slopes")
+    """A q (3 n, r) of the nodes of bodies that are awake, one body after the other"""
+    change: Array = array("n_a")
+    """displacements of the active dofs of a body by all loads of the step [m, rad]"""
     wrench: Array = array(24)
     """generalized forces on the coordinates of a frame"""
