@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..files.arrays import Array, Index
-from ..superelement import GeneralizedAlpha, Modes, Superelement, read, stressed
+from ..superelement import Chain, GeneralizedAlpha, Modes, Superelement, read, stressed
+from ..superelement.chain import Springs
 from .contents import SuperelementFile
 from .errors import RecoveryError
 from .rotations import apply_tangent
@@ -143,27 +144,42 @@ def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
 
 
 class RecordedModes:
-    """Modal coordinates (n, m) of a body as a run recorded them; see `ModalSteps`."""
+    """Modal coordinates (n, m) of a body as a run recorded them; see `ModalSteps`.
 
-    def __init__(self, eta: Array) -> None:
-        self._eta = eta
+    h: steps [s], all the same or one after the other; of bodies with a chain all are recorded.
+    """
+
+    def __init__(self, modes: Modes, eta: Array, h: float | Array) -> None:
+        self._eta = self._stress = eta
+        if modes.chain is not None:
+            self._stress = np.array(list(_stretched(modes.chain, eta, h)))
 
     @property
     def nbytes(self) -> int:
-        return self._eta.nbytes
+        return self._eta.nbytes + (0 if self._stress is self._eta else self._stress.nbytes)
 
     @property
     def n(self) -> int:
         return len(self._eta)
 
     def at(self, steps: Index, stress: bool = False) -> Array:
-        # Without chains, which surfaces in contact exclude, stresses have the same coordinates.
-        return self._eta[steps]
+        return (self._stress if stress else self._eta)[steps]
 
     def blocks(self, rows: slice, length: int, stress: bool = False) -> Iterator[tuple[int, Array]]:
         first, last, _ = rows.indices(self.n)
         for start in range(first, last, length):
-            yield start, self._eta[start : min(start + length, last)]
+            yield start, self.at(np.arange(start, min(start + length, last)), stress)
+
+
+def _stretched(chain: Chain, eta: Array, h: float | Array) -> Iterator[Array]:
+    """eta + sum_k a_k q_k (m,) at each of the steps of eta (n, m), from relaxed springs."""
+    springs = Springs(chain, eta.shape[1])
+    yield springs.stress(eta[0])
+    steps = np.broadcast_to(h, len(eta) - 1).tolist()
+    for step, (before, after) in zip(steps, pairwise(eta), strict=True):
+        springs.set_step(step)
+        springs.follow(after - before)
+        yield springs.stress(after)
 
 
 class ModalSteps:

@@ -544,9 +544,10 @@ class Results:
         self, body: str, element: Superelement, modes: Modes
     ) -> ModalSteps | RecordedModes:
         """The modal coordinates of a body: recorded ones, where contacts load it."""
-        if body in self.pressed:
-            return RecordedModes(self.body(body).modal_coordinate * np.sqrt(element.mass))
         run = stepping(self._source.name, self.solver, self.time)
+        if body in self.pressed:
+            eta = self.body(body).modal_coordinate * np.sqrt(element.mass)
+            return RecordedModes(modes, eta, run.h)
         return ModalSteps(*self._loads(body, element, modes), run)
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
@@ -590,7 +591,9 @@ class Results:
     def _check_recoverable(self, body: str, element: Superelement) -> None:
         if body in self.pressed:
             self._check_modes(body, element)
-            return
+            # Otherwise stresses follow from each of the steps, as those of bodies in flight do.
+            if element.modes is None or element.modes.chain is None:
+                return
         if (every := int(self.solver.get("every", 1))) > 1:
             raise RecoveryError(
                 f"body {body!r}: fields need every step, and the run recorded one in {every}"
@@ -599,6 +602,8 @@ class Results:
             raise RecoveryError(
                 f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )
+        if body in self.pressed:
+            return
         recorded = self.recorded
         frames = [f"frames/{body}.{interface.name}" for interface in element.interfaces]
         patterns = [f"patterns/{body}.{pattern.name}" for pattern in element.patterns]

@@ -20,7 +20,7 @@ from .cost import cheapest_history
 from .dyadic import power_above
 from .packing import packed
 from .second_order import lay_out_second_order, lengths_of
-from .shares import Shares, shares_of
+from .shares import Shares, shares_of, with_rest
 from .truncation import truncate, truncation_error
 
 # beyond, integers of 8 bytes might overflow before memory is compared with what is there
@@ -334,8 +334,8 @@ def _with_surfaces(
         problem = f"history {str(settings.history)!r}"
     elif settings.kernel_length is not None:
         problem = "memory"
-    elif element.modes is not None and element.modes.chain is not None:
-        problem = "a loss factor or moduli that depend on frequency"
+    elif element.modes and element.modes.chain and element.modes.chain.amplitude.ndim == 2:
+        problem = "loss factors that differ between its materials"
     if problem:
         raise ModelError(f"body {name!r}: its surfaces are in contact, which excludes {problem}")
     return _by_modes(body, stepping.h, stepping.scheme, shares_of(element, stepping.shortest))
@@ -353,7 +353,7 @@ def _by_modes(
         modes = second.complete(modes)
     quasi_static = np.zeros(len(modes.omega), dtype=bool)
     if shares is not None:
-        modes, quasi_static = shares.of(modes), shares.quasi_static
+        modes, quasi_static = shares.of(with_rest(element, modes)), shares.quasi_static
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     # By what generalized-alpha divides: inertia, damping and stiffness of a mode in one step.

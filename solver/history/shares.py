@@ -7,9 +7,13 @@ that waves above the band leave the modes and do not ring at its edge:
     W(s) = (1 - s^8) / (1 + (2 s)^4),    s = omega / w_b,    phi_moving = sqrt(W) phi
 
 Statics stay exact, and the body passive, for both parts are sums of positive terms.
+
+The static rest F of the surfaces follows its load in the same way. Where a material loses energy it
+creeps as the modes do: then F = psi psi^T / Omega^2 becomes modes psi too, all of them static.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +26,8 @@ BAND_TIMES_STEP = 1.0
 """theta: the highest circular frequency of a moving mode, times the step"""
 LEAST_MODE_SHARE = 1e-9
 """share of a mode that is left out"""
+LEAST_REST = 1e-12
+"""compliance, relative to the largest, of a mode of the static rest that is left out"""
 
 
 class Shares(NamedTuple):
@@ -33,12 +39,8 @@ class Shares(NamedTuple):
 
     def of(self, modes: Modes) -> Modes:
         """The split modes."""
-        chain = modes.chain
-        if chain is not None and chain.amplitude.ndim == 2:
-            chain = replace(chain, amplitude=chain.amplitude[:, self.source])
         return replace(
             modes,
-            chain=chain,
             omega=modes.omega[self.source],
             zeta=np.where(self.quasi_static, 0.0, modes.zeta[self.source]),
             phi=self.shapes(modes.phi),
@@ -49,10 +51,43 @@ class Shares(NamedTuple):
         return phi[:, self.source] * self.factor
 
 
+def with_rest(element: Superelement, modes: Modes) -> Modes:
+    """The modes of a body, with those of the static rest of its surfaces where it creeps.
+
+    These begin at the band, and no interface sees them.
+    """
+    k = static_rest(element).shape[1]
+    return replace(
+        modes,
+        omega=np.concatenate([modes.omega, np.full(k, _rest_omega(element))]),
+        zeta=np.concatenate([modes.zeta, np.zeros(k)]),
+        phi=np.hstack([modes.phi, np.zeros((len(modes.phi), k))]),
+    )
+
+
+@lru_cache(maxsize=16)
+def static_rest(element: Superelement) -> Array:
+    """psi (3 n, k), the modes of the static rest at the nodes of surfaces; k = 0 without losses."""
+    surfaces, modes = element.surfaces, element.modes
+    assert surfaces is not None
+    assert modes is not None
+    if modes.chain is None:
+        return np.empty((3 * surfaces.n, 0))
+    values, vectors = np.linalg.eigh(surfaces.F(modes.omega))
+    kept = values > LEAST_REST * values[-1]
+    psi: Array = vectors[:, kept] * np.sqrt(values[kept]) * _rest_omega(element)
+    return psi
+
+
+def _rest_omega(element: Superelement) -> float:
+    """Omega: at any frequency from the band on nothing moves by itself."""
+    return 2.0 * float(np.pi) * element.band
+
+
 def shares_of(element: Superelement, h: float) -> Shares:
-    """The shares of the modes of a superelement in steps of h [s]."""
+    """The shares of the modes of a superelement, with those of its rest, in steps of h [s]."""
     assert element.modes is not None
-    omega = element.modes.omega
+    omega = with_rest(element, element.modes).omega
     band = min(BAND_TIMES_STEP / h, 2.0 * np.pi * element.band)
     s = np.minimum(omega / band, 1.0)
     moving = (1.0 - s**8) / (1.0 + (2.0 * s) ** 4)

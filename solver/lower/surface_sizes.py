@@ -14,7 +14,7 @@ def sizes_of_kept(surfaces: Surfaces, request: OutputRequest) -> Mapping[str, in
     return {
         "n_kept_rows": int(surfaces.contacts.row[-1]) * request.nodes,
         "n_kept_nodes": int(nodes.sum()) * request.nodes,
-        "n_kept_modes": int(surfaces.bodies.source_range[-1]) * request.modes,
+        "n_kept_modes": int(surfaces.bodies.recorded[-1]) * request.modes,
     }
 
 

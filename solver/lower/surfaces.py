@@ -11,7 +11,7 @@ from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError
 from ..history.layout import Stepping
 from ..history.packing import packed
-from ..history.shares import Shares, shares_of
+from ..history.shares import Shares, shares_of, static_rest
 from ..model.model import Model
 from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
@@ -186,6 +186,7 @@ def _lay_out_bodies(
             dtype=np.float64,
         ),
         source_range=starts(motion.n_modes for motion in motions),
+        recorded=starts(motion.n_recorded for motion in motions),
         source=as_index(source),
         share=share,
         spread=np.concatenate([np.empty(0), *(own for own in spread if own is not None)]),
@@ -228,6 +229,7 @@ class _Motion:
     reach: float
     shares: Shares
     n_modes: int
+    n_recorded: int
 
 
 def _motion(
@@ -245,8 +247,11 @@ def _motion(
     rows = [surfaces.rows(patch.surface.name) for patch in patches]
     dofs = np.concatenate([np.arange(own.start, own.stop) for own in rows])
     shapes = surfaces.phi[dofs]
-    # What no mode of the file has follows the forces at once.
+    # What no mode of the file has follows the forces at once; with losses it has modes too.
     residual = surfaces.H[np.ix_(dofs, dofs)] - (shapes / modes.omega**2) @ shapes.T
+    rest = static_rest(element)[dofs]
+    if rest.shape[1]:
+        shapes, residual = np.hstack([shapes, rest]), np.zeros_like(residual)
     # By the shortest step: long steps between contacts go on with the same modes.
     shares = shares_of(element, stepping.shortest)
     phi = shares.shapes(shapes)
@@ -279,7 +284,9 @@ def _motion(
                 "second_order = 'off'"
             )
         A = second.A_surface[dofs]
-    return _Motion(shapes, T, 0.5 * (G + G.T), B, A, reach, shares, len(modes.omega))
+    return _Motion(
+        shapes, T, 0.5 * (G + G.T), B, A, reach, shares, shapes.shape[1], len(modes.omega)
+    )
 
 
 def _check_free(name: str, patches: Sequence[Patch], G: Array) -> None:

@@ -88,7 +88,7 @@ def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
     surfaces = lowered.system.surfaces.bodies
     modes = [
         f"{lowered.body_names[int(lowered.system.elastic.body[e])]}.{i + 1}"
-        for e, n in zip(surfaces.flexible.tolist(), np.diff(surfaces.source_range), strict=True)
+        for e, n in zip(surfaces.flexible.tolist(), np.diff(surfaces.recorded), strict=True)
         for i in range(int(n))
     ]
     return {

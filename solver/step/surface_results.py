@@ -225,5 +225,7 @@ def _record_modes(system: System, state: State, work: Workspace, output: Output,
     for s in range(len(bodies.flexible)):
         add_up_modes(system, s, state, work)
         mass = system.bodies.mass[system.elastic.body[bodies.flexible[s]]]
-        for j in range(bodies.source_range[s], bodies.source_range[s + 1]):
-            output.body_modal_coordinate[k, j] = work.surfaces.source[j] / math.sqrt(mass)
+        first, begin = bodies.source_range[s], bodies.recorded[s]
+        for j in range(bodies.recorded[s + 1] - begin):
+            eta = work.surfaces.source[first + j]
+            output.body_modal_coordinate[k, begin + j] = eta / math.sqrt(mass)

@@ -129,7 +129,9 @@ class SurfaceBodies(Struct):
     second_reach: Array = array("n_bodies")
     """largest displacement of second order of a node per square of q"""
     source_range: Index = array("n_bodies_1")
-    """first mode of the file of each body, in results and in `SurfaceWork.source`"""
+    """first mode of each body in `SurfaceWork.source`: those of the file, then those of the rest"""
+    recorded: Index = array("n_bodies_1")
+    """first mode of the file of each body in results"""
     source: Index = array("n_m")
     """mode of the file that each mode is a share of, of bodies of surfaces alone"""
     share: Array = array("n_m")
