@@ -602,6 +602,7 @@ class Results:
             raise RecoveryError(
                 f"body {body!r}: fields need a run from its start; this one goes on from {start}"
             )
+        # The loads on its interfaces are not all that moved such a body.
         if body in self.pressed:
             return
         recorded = self.recorded

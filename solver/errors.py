@@ -94,7 +94,10 @@ class OutOfRangeError(RuntimeError):
 
 
 class MissedContactError(RuntimeError):
-    """A ball, or a surface, passed through what its contact is with within one step.
+    """A contact that steps are too long for.
+
+    A ball, or a surface, passed through its target within one step; or surfaces that touched for
+    fewer than 8 steps have created energy.
 
     Parameters
     ----------

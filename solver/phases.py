@@ -157,6 +157,7 @@ def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight:
         by_rates = interfaces.acceleration[dofs] - phi @ modes.acceleration[own]
         interfaces.a[dofs] = phi @ modes.a[own] + (by_rates if new.elastic.second.r[e] else 0.0)
     work.matrix.current[0] = 0
+    # Steps of another size have another compliance within the step.
     work.surfaces.W_count[:] = 0
     state.in_flight[0] = in_flight
 

@@ -45,7 +45,7 @@ from .output.keeper import (
     settle_checkpoint,
     start_of,
 )
-from .output.passages import check_passages
+from .output.passages import check_passages, check_resolution
 from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import ValidityMonitor, check_range, interface_out_of_range
 from .output.writer import (
@@ -327,6 +327,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
             rows = recorder.rows(steps, stride)
             taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
             check_passages(lowered, state, work, done + stride * taken)
+            check_resolution(lowered, state, done + stride * taken)
             # The loop returns early when its list of events is full: no failure.
             full = is_full(state.contacts)  # of events, which the recorder takes
             # Checks read extremes of all bodies: not in every batch.

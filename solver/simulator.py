@@ -26,7 +26,7 @@ from .model.settings import Settings
 from .output.branches import Branches
 from .output.columns import axes_of, check_names, views
 from .output.events import waiting
-from .output.passages import check_passages
+from .output.passages import check_passages, check_resolution
 from .output.recording import Recording
 from .output.validity import ValidityMonitor, check_range
 from .output.writer import check_output
@@ -226,6 +226,7 @@ class Simulator:
         # The last step prepares none: a kernel ends with the run.
         taken, residual = advance(self._run, self._last if last else self._next)
         check_passages(self._lowered, self._state, self._work, number - 1)
+        check_resolution(self._lowered, self._state, number)
         check_range(self._lowered, self._state, number)
         if not taken:
             cause = self._growing_input() or ValidityMonitor(self._lowered).cause(

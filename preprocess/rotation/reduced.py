@@ -110,6 +110,7 @@ def _of_surfaces(
     A = second.nodes(rows, Psi)
     if second.elements.strain_energy:
         solve = static_solver(structure)
+        # In panels, as their compliance: the fields of all nodes take more memory than the factor.
         for start in range(0, len(A), COLUMNS_AT_ONCE):
             some = slice(start, start + COLUMNS_AT_ONCE)
             A[some] -= second.third(

@@ -73,6 +73,7 @@ def static_rest(element: Superelement) -> Array:
     assert modes is not None
     if modes.chain is None:
         return np.empty((3 * surfaces.n, 0))
+    # Of all surfaces of the body, whichever of them are in contact: bodies alike share their modes.
     values, vectors = np.linalg.eigh(surfaces.F(modes.omega))
     kept = values > LEAST_REST * values[-1]
     psi: Array = vectors[:, kept] * np.sqrt(values[kept]) * _rest_omega(element)

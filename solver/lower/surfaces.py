@@ -295,6 +295,7 @@ def _check_free(name: str, patches: Sequence[Patch], G: Array) -> None:
     nodes = np.concatenate([patch.surface.nodes for patch in patches])
     rows = (3 * np.unique(nodes, return_index=True)[1][:, None] + np.arange(3)).ravel()
     own = G[np.ix_(rows, rows)]
+    # Scaled, for nodes in the middle of a fine mesh are far softer than those at a coarse rim.
     scale = 1.0 / np.sqrt(np.diag(own))
     try:
         np.linalg.cholesky(
@@ -313,6 +314,7 @@ def _inverse(G: Array) -> Array:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(G), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(scale[:, None] * G * scale)
     kept = values > LEAST_FLEXIBILITY * values.max(initial=0.0)
+    # Motions of interfaces that no load brings about need no image.
     factor = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
     inverse: Array = factor @ factor.T
     return inverse

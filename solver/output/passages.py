@@ -1,11 +1,14 @@
-"""The error of a run in which a ball or a surface passed through its target within one step."""
+"""The errors of runs whose steps are too long for a contact."""
 
 import numpy as np
 
+from ...results.validity import CRITERIA
 from ..errors import MissedContactError
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
 
+MOST_CREATED = 0.01
+"""share of the energy that contacts of surfaces of fewer steps than the criterion may create"""
 PART_OF_SIZE = 0.1
 """way of a ball in a step, over the size of ball and shape, in which it cannot pass unnoticed"""
 
@@ -47,4 +50,28 @@ def check_passages(lowered: LoweredModel, state: State, work: Workspace, taken: 
     reason += f"expected a `contact_step` (or `step`) of {step:.2g} s or less in [simulation]"
     raise MissedContactError(
         number, number * lowered.h, lowered.coupling_names[j], reason, lowered.model.path
+    )
+
+
+def check_resolution(lowered: LoweredModel, state: State, taken: int) -> None:
+    """`MissedContactError` where contacts of surfaces of a few steps each have created energy.
+
+    taken: the steps so far.
+    """
+    shortest = state.extremes.shortest[len(lowered.system.couplings.contact) :]
+    # Force on gaps that close and open within steps has moved the bodies.
+    created, moved = float(state.energies.switching[0]), float(state.extremes.moved[0])
+    few = np.flatnonzero((shortest > 0) & (shortest < CRITERIA["surface_steps"].limit))
+    if not len(few) or not created > MOST_CREATED * moved:
+        return
+    c = int(few[np.argmin(shortest[few])])
+    step = lowered.h * shortest[c] / CRITERIA["surface_steps"].good
+    raise MissedContactError(
+        taken,
+        taken * lowered.h,
+        lowered.model.surface_contacts[c].name,
+        f"its surfaces touched for {shortest[c]} steps of {lowered.h:.3g} s at the shortest, and "
+        f"contacts of surfaces have created {100.0 * created / moved:.2g} % of the energy that "
+        f"moves: expected a `contact_step` (or `step`) of {step:.2g} s or less in [simulation]",
+        lowered.model.path,
     )

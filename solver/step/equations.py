@@ -59,6 +59,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
     frames = system.frames
     # The order matters: frames need rates, couplings need frames, bodies need all wrenches.
     set_rates(system.elastic, system.scheme, state, work)
+    # Contacts of surfaces need them before the loads of second order do.
     set_slopes(system.elastic, state, work)
     move_frames(frames, frames.n_acting, state, work)
     move_frame_velocities(frames, frames.n_acting, state, work)
@@ -97,6 +98,7 @@ def assemble(system: System, state: State, work: Workspace) -> None:
     """The iteration matrix from K, B and A."""
     assemble_rows(system, work)
     add_second_order_rows(system, state, work)
+    # After the rows of q have theirs from the loads on interfaces: those of contacts are no such.
     add_node_curvature_slopes(system, state, work)
     # After all forces, whose rows it weighs, and before the inertia, which is added as it is.
     weigh_forces(system, work)

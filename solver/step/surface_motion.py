@@ -256,6 +256,7 @@ def set_base(system: System, s: int, state: State, work: Workspace) -> None:
     set_node_slopes(system, s, state, work)
     for i in range(begin, end):
         z = elastic.active[i]
+        # What bending adds to u is no displacement by loads, which T is for.
         by_loads = u[z] - work.interfaces.history[z]
         change[i - begin] = by_loads - active_curvature(elastic, e, i, u, work)
     for k in range(first, bodies.node[s + 1]):

@@ -330,6 +330,7 @@ def set_derivative(system: System, m: int, r: int, D: Array, state: State, work:
 def _coordinates(system: System, s: int, D: Array, work: Workspace) -> Array:
     """The part of D of the coordinates q of body s, once active dofs count by their u."""
     elastic, e = system.elastic, system.surfaces.bodies.flexible[s]
+    # Displacements by loads are u less 1/2 A(q, q): where u stays, q moves them back.
     subtract_slopes(elastic, e, work, D)
     n = elastic.active_range[e + 1] - elastic.active_range[e]
     return D[n - elastic.second.r[e] : n]

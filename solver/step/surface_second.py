@@ -21,6 +21,7 @@ def set_node_slopes(system: System, s: int, state: State, work: Workspace) -> No
     r, first = elastic.second.r[e], first_coordinate(elastic, e)
     if r == 0:
         return
+    # Kept for the whole evaluation: gaps, loads on q and their derivatives all need them.
     q, A = state.interfaces.u[first : first + r], bodies.A[bodies.A_start[s] :]
     for i in range(bodies.slope[s], bodies.slope[s + 1]):
         place = (i - bodies.slope[s]) * r
@@ -55,6 +56,7 @@ def load_coordinates(system: System, state: State, work: Workspace) -> None:
         return
     for s in range(len(surfaces.bodies.flexible)):
         e = surfaces.bodies.flexible[s]
+        # A body that sleeps has no forces, and the slopes of an earlier step.
         if elastic.second.r[e] == 0 or not work.surfaces.awake[s]:
             continue
         loads = state.interfaces.p[first_coordinate(elastic, e) : elastic.dof[e + 1]]
@@ -88,12 +90,14 @@ def add_node_curvature_slopes(system: System, state: State, work: Workspace) -> 
             continue
         block = system.pattern.body_block[elastic.body[e]]
         n = elastic.active_range[e + 1] - elastic.active_range[e] - r
+        # The block of q, behind rigid coordinates, interfaces and changes of inertia.
         first, stride = block[0] + (6 + n) * block[1] + 6 + n, block[1]
         for k in range(bodies.node[s], bodies.node[s + 1]):
             for x in range(3):
                 f = state.surfaces.load[k, x]
                 if f == 0.0:
                     continue
+                # The matrix of A at this displacement, of which S is the product with q.
                 A = bodies.A_start[s] + (3 * (k - bodies.node[s]) + x) * r * r
                 for i in range(r):
                     for j in range(r):

@@ -11,6 +11,7 @@ from duhamel.results.recovery import RecordedModes
 from duhamel.solver import (
     Constant,
     FlexibleBody,
+    MissedContactError,
     Model,
     ModelError,
     PatternLoad,
@@ -59,6 +60,13 @@ def test_the_energy_that_an_impact_loses_is_that_of_the_material():
     # What is not lost is left: no tenth of it may be numerical.
     assert second.energy.dissipated[-1] > 0.3 * 0.5 * MASS
     assert second.energy.dissipated[-1] == pytest.approx(first.energy.dissipated[-1], rel=0.02)
+
+
+def test_a_few_steps_that_create_energy_end_the_run():
+    with pytest.raises(
+        MissedContactError, match=r"'floor': .* touched for 2 steps of 5e-06 s at the"
+    ):
+        simulate(model(block(0.001), 5e-6, 1e-3))
 
 
 def test_a_body_creeps_under_a_load_with_all_of_its_compliance():
