@@ -338,7 +338,7 @@ def _with_surfaces(
         problem = "loss factors that differ between its materials"
     if problem:
         raise ModelError(f"body {name!r}: its surfaces are in contact, which excludes {problem}")
-    return _by_modes(body, stepping.h, stepping.scheme, shares_of(element, stepping.shortest))
+    return _by_modes(body, stepping.h, stepping.scheme, shares_of(body, stepping.shortest))
 
 
 def _by_modes(
@@ -353,7 +353,8 @@ def _by_modes(
         modes = second.complete(modes)
     quasi_static = np.zeros(len(modes.omega), dtype=bool)
     if shares is not None:
-        modes, quasi_static = shares.of(with_rest(element, modes)), shares.quasi_static
+        modes = shares.of(with_rest(element, modes), second)
+        quasi_static = shares.quasi_static
     stiffness = modes.omega**2
     damping = 2.0 * modes.zeta * modes.omega
     # By what generalized-alpha divides: inertia, damping and stiffness of a mode in one step.

@@ -10,6 +10,9 @@ Statics stay exact, and the body passive, for both parts are sums of positive te
 
 The static rest F of the surfaces follows its load in the same way. Where a material loses energy it
 creeps as the modes do: then F = psi psi^T / Omega^2 becomes modes psi too, all of them static.
+
+Coordinates q of second order whose rates have inertia are of moving modes alone: the rates of what
+follows its load are those of the load, and Coriolis forces by them would feed on themselves.
 """
 
 from dataclasses import replace
@@ -19,8 +22,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...superelement import Modes, Superelement
+from ...superelement import Modes, Rotation, Superelement
 from ..arrays import Array, Index
+from ..model.bodies import FlexibleBody
 
 BAND_TIMES_STEP = 1.0
 """theta: the highest circular frequency of a moving mode, times the step"""
@@ -37,13 +41,16 @@ class Shares(NamedTuple):
     factor: Array
     quasi_static: NDArray[np.bool_]
 
-    def of(self, modes: Modes) -> Modes:
-        """The split modes."""
+    def of(self, modes: Modes, second: Rotation | None) -> Modes:
+        """The split modes, those of q, by which `phi` ends, without static parts of inertia."""
+        phi = self.shapes(modes.phi)
+        if second is not None and second.n_soft:
+            phi[-second.n_soft :, self.quasi_static] = 0.0
         return replace(
             modes,
             omega=modes.omega[self.source],
             zeta=np.where(self.quasi_static, 0.0, modes.zeta[self.source]),
-            phi=self.shapes(modes.phi),
+            phi=phi,
         )
 
     def shapes(self, phi: Array) -> Array:
@@ -85,13 +92,19 @@ def _rest_omega(element: Superelement) -> float:
     return 2.0 * float(np.pi) * element.band
 
 
-def shares_of(element: Superelement, h: float) -> Shares:
-    """The shares of the modes of a superelement, with those of its rest, in steps of h [s]."""
+def shares_of(body: FlexibleBody, h: float) -> Shares:
+    """The shares of the modes of a body, with those of the rest of its surfaces, in steps of h [s].
+
+    Modes that are coordinates of second order move as a whole.
+    """
+    element, second = body.superelement, body.rotation
     assert element.modes is not None
     omega = with_rest(element, element.modes).omega
     band = min(BAND_TIMES_STEP / h, 2.0 * np.pi * element.band)
     s = np.minimum(omega / band, 1.0)
     moving = (1.0 - s**8) / (1.0 + (2.0 * s) ** 4)
+    if second is not None:
+        moving[second.T[: second.n_low].any(axis=0).nonzero()[0]] = 1.0
     numbers = np.arange(len(omega))
     source = np.concatenate([numbers, numbers])
     share = np.concatenate([moving, 1.0 - moving])

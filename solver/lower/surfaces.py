@@ -253,7 +253,7 @@ def _motion(
     if rest.shape[1]:
         shapes, residual = np.hstack([shapes, rest]), np.zeros_like(residual)
     # By the shortest step: long steps between contacts go on with the same modes.
-    shares = shares_of(element, stepping.shortest)
+    shares = shares_of(model.flexible_bodies[name], stepping.shortest)
     phi = shares.shapes(shapes)
     own = slice(int(elastic.modes.range[e]), int(elastic.modes.range[e + 1]))
     h, beta = stepping.h, stepping.scheme.beta

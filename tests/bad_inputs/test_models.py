@@ -1,6 +1,5 @@
 """Bad values at every key of a model file: each is refused in one line that names file and key."""
 
-import copy
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -21,9 +20,7 @@ from duhamel.solver.laws.law import FORCE_LAWS
 from duhamel.solver.model.body_shapes import BODY_SHAPES
 from duhamel.solver.model.file import _ModelFile
 from duhamel.solver.signals import signal as signals
-from duhamel.superelement import write
 
-from .conftest import make_element
 from .messages import complaint
 from .models import DOCUMENTS, KINDS, LAWS, PART, RECORD, SHAPES, SIGNALS
 from .values import UNKNOWN, VALUES, Place, changed, declared, dotted, table_kinds, value_at
@@ -134,17 +131,6 @@ def test_a_bad_value_in_a_signal_or_a_law_is_one_line(
 def test_the_documents_are_models(beam_file):
     for document in DOCUMENTS.values():
         assert answer(beam_file.parent, document, ()) == ""
-
-
-def test_surfaces_need_as_many_modes_as_dofs_of_interfaces_in_use(beam_file):
-    write(beam_file, make_element(3))
-    path, document = beam_file.with_name("model.toml"), copy.deepcopy(DOCUMENTS["mechanism"])
-    pressed = next(one for one in document["contacts"] if "surfaces" in one)
-    pressed["surfaces"][0] = "beam.flank"
-    document["loads"] = [load for load in document["loads"] if load["type"] != "pattern"]
-    path.write_text(tomli_w.dumps(document), encoding="utf-8")
-    with pytest.raises(ModelError, match="on 12 dofs of its interfaces: expected as many"):
-        _run(read_model(path))
 
 
 def test_every_table_of_a_model_file_is_in_a_document():
