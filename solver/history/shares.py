@@ -104,7 +104,7 @@ def shares_of(body: FlexibleBody, h: float) -> Shares:
     s = np.minimum(omega / band, 1.0)
     moving = (1.0 - s**8) / (1.0 + (2.0 * s) ** 4)
     if second is not None:
-        moving[second.T[: second.n_low].any(axis=0).nonzero()[0]] = 1.0
+        moving[np.flatnonzero(np.any(second.T[: second.n_low], axis=0))] = 1.0
     numbers = np.arange(len(omega))
     source = np.concatenate([numbers, numbers])
     share = np.concatenate([moving, 1.0 - moving])
