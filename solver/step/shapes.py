@@ -164,7 +164,15 @@ def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
     best, piece, at = math.inf, 0, 0.0
     n = int(parameters[0])
     for i in range(n):
+        square = _square_from_start(parameters, i, px, py)
+        if square < best:
+            best, piece = square, i
+    for i in range(n):
         length = parameters[1 + NUMBERS_PER_PIECE * i]
+        # Most pieces are too far, from their start on, to come nearer than the nearest start.
+        near = math.sqrt(best) + length * _top_speed(parameters, i, length)
+        if _square_from_start(parameters, i, px, py) > near * near:
+            continue
         # Newton's method finds a near extremum only: samples keep it from a farther one.
         for sample in range(SAMPLES_PER_PIECE):
             t = length * sample / (SAMPLES_PER_PIECE - 1.0)
@@ -174,6 +182,24 @@ def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
             if square < best:
                 best, piece, at = square, i, t
     return _polished(parameters, n, piece, at, px, py)
+
+
+@compiled
+def _square_from_start(parameters: Array, i: int, px: float, py: float) -> float:
+    """The squared distance of a point from the start of piece i."""
+    first = 1 + NUMBERS_PER_PIECE * i
+    x, z = px - parameters[first + 4], py - parameters[first + 8]
+    return float(x * x + z * z)
+
+
+@compiled
+def _top_speed(parameters: Array, i: int, length: float) -> float:
+    """A bound of the way along piece i per its parameter."""
+    total, first = 0.0, 1 + NUMBERS_PER_PIECE * i
+    for k in (first + 1, first + 5):
+        a, b, c = parameters[k], parameters[k + 1], parameters[k + 2]
+        total += (3.0 * length * abs(a) + 2.0 * abs(b)) * length + abs(c)
+    return total
 
 
 @compiled

@@ -24,8 +24,10 @@ from duhamel.solver import (
     Torque,
     simulate,
 )
+from duhamel.solver.couplings.carried_shape import curve_through
 from duhamel.solver.laws.contact import restitution_factor
 from duhamel.solver.laws.hertz import patch_of
+from duhamel.solver.step.shapes import _nearest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
@@ -803,3 +805,21 @@ def test_a_ball_in_a_tight_bore_has_the_stiffness_of_its_ellipse():
     mean = 4.0 / 3.0 * E * (along * around) ** -0.25
     assert bore.law().stiffness / mean == pytest.approx(1.44, abs=0.02)
     assert bore.patch_over_radius == pytest.approx(patch_of(along, around).long / 0.01, rel=1e-14)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_nearest_point_of_a_profile_is_that_of_a_search_of_all_pieces(seed, closed):
+    rng = np.random.default_rng(seed)
+    points = np.cumsum(rng.standard_normal((12, 2)), axis=0)
+    points = np.vstack([points, points[:1]]) if closed else points
+    spline = curve_through(points)
+    places = np.linspace(spline.x[0], spline.x[-1], 20001)
+    profile = Contact("cam", ("ground", "ball"), "profile", 0.01, UP, points=points, stiffness=1.0)
+    parameters = np.array(profile.shape_parameters())
+    for p in 3.0 * rng.standard_normal((40, 2)):
+        piece, t = _nearest(parameters, *p)
+        found = np.linalg.norm(spline(spline.x[piece] + t) - p)
+        # The samples of each piece may lead to another of two points that are equally near.
+        least = np.linalg.norm(spline(places) - p, axis=1).min()
+        assert found <= least + 1e-3
