@@ -815,7 +815,9 @@ def test_the_nearest_point_of_a_profile_is_that_of_a_search_of_all_pieces(seed, 
     points = np.vstack([points, points[:1]]) if closed else points
     spline = curve_through(points)
     places = np.linspace(spline.x[0], spline.x[-1], 20001)
-    profile = Contact("cam", ("ground", "ball"), "profile", 0.01, UP, points=points, hertz=STEEL)
+    profile = Contact(
+        "cam", ("ground", "ball"), "profile", 0.01, UP, points=points, law=Impact(1e6)
+    )
     parameters = np.array(profile.shape_parameters())
     for p in 3.0 * rng.standard_normal((40, 2)):
         piece, t = _nearest(parameters, *p)
