@@ -816,7 +816,7 @@ def test_the_nearest_point_of_a_profile_is_that_of_a_search_of_all_pieces(seed, 
     spline = curve_through(points)
     places = np.linspace(spline.x[0], spline.x[-1], 20001)
     profile = Contact(
-        "cam", ("ground", "ball"), "profile", 0.01, UP, points=points, law=Impact(1e6)
+        "cam", ("ground", "ball"), "profile", 0.01, UP, points=points, impact=Impact(1e6)
     )
     parameters = np.array(profile.shape_parameters())
     for p in 3.0 * rng.standard_normal((40, 2)):
