@@ -238,6 +238,14 @@ def test_a_housing_falls_on_its_feet(example, tmp_path):
     assert (found.force[found.heights.min(axis=1) > 3e-4] < 1e-9).all()
 
 
+def test_a_blade_rubs_on_its_casing(example, tmp_path):
+    """Which checks its stretch, friction, and the force against that of half the step."""
+    found, _ = example("blade_rub").main(tmp_path)
+    assert (tmp_path / "blade-rub.png").exists()
+    assert found.force.max() == pytest.approx(1217.0, rel=0.02)
+    assert found.force[found.turns < 0.2].max() == 0.0
+
+
 @pytest.mark.validation
 def test_the_hammer_on_the_bracket(example, tmp_path):
     """At a tenth of the speed the force comes nearer to that of small motions: what is left at 1
