@@ -126,9 +126,9 @@ class Profile:
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
         up = cross(axis, across)
         px, py = dot(across, y), dot(up, y)
-        piece, t = _nearest(parameters, px, py)
-        x, dx, ddx = _cubic(parameters, piece, 1, t)
-        z, dz, ddz = _cubic(parameters, piece, 5, t)
+        piece, t = nearest(parameters, px, py)
+        x, dx, ddx = cubic(parameters, piece, 1, t)
+        z, dz, ddz = cubic(parameters, piece, 5, t)
         speed = math.sqrt(dx * dx + dz * dz)
         tx, tz = dx / speed, dz / speed
         s = (px - x) * tz - (py - z) * tx
@@ -151,7 +151,7 @@ class Profile:
 
 
 @compiled
-def _cubic(parameters: Array, piece: int, coordinate: int, t: float) -> tuple[float, float, float]:
+def cubic(parameters: Array, piece: int, coordinate: int, t: float) -> tuple[float, float, float]:
     """A coordinate of a piece at t, and its derivatives."""
     k = 1 + NUMBERS_PER_PIECE * piece + coordinate
     a, b, c, d = parameters[k], parameters[k + 1], parameters[k + 2], parameters[k + 3]
@@ -159,7 +159,7 @@ def _cubic(parameters: Array, piece: int, coordinate: int, t: float) -> tuple[fl
 
 
 @compiled
-def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
+def nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
     """The piece and its parameter of the point that is nearest to (px, py)."""
     best, piece, at = math.inf, 0, 0.0
     n = int(parameters[0])
@@ -176,12 +176,12 @@ def _nearest(parameters: Array, px: float, py: float) -> tuple[int, float]:
         # Newton's method finds a near extremum only: samples keep it from a farther one.
         for sample in range(SAMPLES_PER_PIECE):
             t = length * sample / (SAMPLES_PER_PIECE - 1.0)
-            x, _, _ = _cubic(parameters, i, 1, t)
-            z, _, _ = _cubic(parameters, i, 5, t)
+            x, _, _ = cubic(parameters, i, 1, t)
+            z, _, _ = cubic(parameters, i, 5, t)
             square = (px - x) * (px - x) + (py - z) * (py - z)
             if square < best:
                 best, piece, at = square, i, t
-    return _polished(parameters, n, piece, at, px, py)
+    return polished(parameters, n, piece, at, px, py)
 
 
 @compiled
@@ -203,14 +203,14 @@ def _top_speed(parameters: Array, i: int, length: float) -> float:
 
 
 @compiled
-def _polished(
+def polished(
     parameters: Array, n: int, piece: int, t: float, px: float, py: float
 ) -> tuple[int, float]:
     """Newton's method for (p - c) . c' = 0, over the ends of pieces that go on."""
     closed = parameters[1 + NUMBERS_PER_PIECE * n] > 0.0
     for _ in range(MAX_POINT_CORRECTIONS):
-        x, dx, ddx = _cubic(parameters, piece, 1, t)
-        z, dz, ddz = _cubic(parameters, piece, 5, t)
+        x, dx, ddx = cubic(parameters, piece, 1, t)
+        z, dz, ddz = cubic(parameters, piece, 5, t)
         slope = dx * dx + dz * dz
         # Beyond a center of curvature the second derivative is negative, and Newton's method would
         # go to the farthest point: so a part of the slope bounds it from below.

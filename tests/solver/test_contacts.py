@@ -1,5 +1,7 @@
 """Contacts, stops and friction against exact solutions, and against the full mesh."""
 
+import math
+
 import numpy as np
 import pytest
 from duhamel.solver import (
@@ -24,10 +26,9 @@ from duhamel.solver import (
     Torque,
     simulate,
 )
-from duhamel.solver.couplings.carried_shape import curve_through
 from duhamel.solver.laws.contact import restitution_factor
 from duhamel.solver.laws.hertz import patch_of
-from duhamel.solver.step.shapes import _nearest
+from duhamel.solver.step import shapes
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
@@ -807,21 +808,27 @@ def test_a_ball_in_a_tight_bore_has_the_stiffness_of_its_ellipse():
     assert bore.patch_over_radius == pytest.approx(patch_of(along, around).long / 0.01, rel=1e-14)
 
 
+def nearest_of_all(parameters, px, py):
+    """As `shapes.nearest`, with the samples of all pieces."""
+    best = math.inf, 0, 0.0
+    for i in range(int(parameters[0])):
+        for t in np.linspace(0.0, parameters[1 + shapes.NUMBERS_PER_PIECE * i], 5):
+            at = [shapes.cubic(parameters, i, k, t)[0] for k in (1, 5)]
+            best = min(best, ((px - at[0]) ** 2 + (py - at[1]) ** 2, i, t))
+    return shapes.polished(parameters, int(parameters[0]), *best[1:], px, py)
+
+
 @pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_the_nearest_point_of_a_profile_is_that_of_a_search_of_all_pieces(seed, closed):
     rng = np.random.default_rng(seed)
     points = np.cumsum(rng.standard_normal((12, 2)), axis=0)
     points = np.vstack([points, points[:1]]) if closed else points
-    spline = curve_through(points)
-    places = np.linspace(spline.x[0], spline.x[-1], 20001)
-    profile = Contact(
-        "cam", ("ground", "ball"), "profile", 0.01, UP, points=points, impact=Impact(1e6)
-    )
-    parameters = np.array(profile.shape_parameters())
+    law = Impact(1e6)
+    cam = Contact("cam", ("ground", "ball"), "profile", 0.01, UP, points=points, impact=law)
+    parameters = np.array(cam.shape_parameters())
     for p in 3.0 * rng.standard_normal((40, 2)):
-        piece, t = _nearest(parameters, *p)
-        found = np.linalg.norm(spline(spline.x[piece] + t) - p)
-        # The samples of each piece may lead to another of two points that are equally near.
-        least = np.linalg.norm(spline(places) - p, axis=1).min()
-        assert found <= least + 1e-3
+        both = [search(parameters, *p) for search in (shapes.nearest, nearest_of_all)]
+        at = [[shapes.cubic(parameters, i, k, t)[0] for k in (1, 5)] for i, t in both]
+        found, expected = np.linalg.norm(np.array(at) - p, axis=1)
+        assert found == pytest.approx(expected, rel=1e-12)
