@@ -238,6 +238,13 @@ def test_a_housing_falls_on_its_feet(example, tmp_path):
     assert (found.force[found.heights.min(axis=1) > 3e-4] < 1e-9).all()
 
 
+def test_flat_rods_meet_as_the_theory_of_rods_has_it(example, tmp_path):
+    """Which checks force, duration, velocities, momentum and pressures."""
+    found, _ = example("flat_rods").main(tmp_path)
+    assert (tmp_path / "flat-rods.png").exists()
+    assert found.velocities[1, -1] == pytest.approx(2.0, rel=0.01)
+
+
 def test_a_blade_rubs_on_its_casing(example, tmp_path):
     """Which checks its stretch, friction, and the force against that of half the step."""
     found, _ = example("blade_rub").main(tmp_path)
