@@ -1,6 +1,7 @@
 """Impacts of surfaces beside an explicit code of the same meshes: forces, and CPU time.
 
-A domed block and a flat-ended rod of steel hit a rigid plane. The explicit code is our own: central
+A domed block and a flat-ended rod of steel hit a rigid plane, and so does the housing of
+meshes/housing, with all four feet at once and a finer mesh. The explicit code is our own: central
 differences with lumped masses, on the stiffness of the same mesh, three by three blocks of one
 triangle of the matrix, compiled. Both codes have the same law on the same nodes: a layer of a
 stiffness per area. The superelement also runs without a layer, with exact rows. CPU time of one
@@ -35,12 +36,15 @@ from numpy.typing import NDArray
 from scipy.sparse import bsr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+for folder in ("tests", "meshes/housing"):
+    sys.path.insert(0, str(Path(__file__).parents[1] / folder))
+import make_mesh
 from surface_bodies import STEEL, dome
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+PLASTIC = du.Material(E=2.4e9, nu=0.35, rho=1100.0)
 SPEED = 1.0
 """of the impacts [m/s]"""
 GAP = 1e-6
@@ -122,6 +126,10 @@ def cases() -> Iterator[Case]:
         t_end=9e-5,
         steps=(step,),
     )
+    mesh = make_mesh.housing(fine=7.7e-4, coarse=2e-3)
+    housing = du.Part(mesh, PLASTIC, name="housing")
+    housing.surface("soles", du.box([0.0, 0.0, -0.007], [0.1, 0.07, -0.005]))
+    yield Case("housing", housing, "soles", band=2e4, layer=1e13, t_end=1e-3, steps=(2.5e-6, 5e-6))
 
 
 def mesh_of(part: du.Part, element: du.Superelement) -> Mesh:

@@ -18,16 +18,15 @@ FINE, COARSE = 0.00125, 0.005
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 
 
-def along(length: float) -> np.ndarray:
+def along(length: float, fine: float, coarse: float) -> np.ndarray:
     """Places of nodes: fine across the feet at both ends, coarse between them."""
-    fine, coarse = round(FOOT / FINE), round((length - 2.0 * FOOT) / COARSE)
-    middle = np.linspace(FOOT, length - FOOT, coarse + 1)
-    foot = np.linspace(0.0, FOOT, fine + 1)
+    middle = np.linspace(FOOT, length - FOOT, round((length - 2.0 * FOOT) / coarse) + 1)
+    foot = np.linspace(0.0, FOOT, round(FOOT / fine) + 1)
     return np.concatenate([foot[:-1], middle, length - foot[-2::-1]])
 
 
-def housing() -> meshio.Mesh:
-    x, y = along(LENGTH), along(WIDTH)
+def housing(fine: float = FINE, coarse: float = COARSE) -> meshio.Mesh:
+    x, y = (along(size, fine, coarse) for size in (LENGTH, WIDTH))
     heights = (0.0, THICKNESS, WALL)
     z = np.concatenate(
         [
