@@ -36,8 +36,8 @@ from numpy.typing import NDArray
 from scipy.sparse import bsr_array, diags_array
 from scipy.sparse.linalg import eigsh
 
-for folder in ("tests", "meshes/housing"):
-    sys.path.insert(0, str(Path(__file__).parents[1] / folder))
+sys.path.insert(0, str(Path(__file__).parents[1] / "meshes" / "housing"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import make_mesh
 from surface_bodies import STEEL, dome
 

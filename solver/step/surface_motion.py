@@ -146,6 +146,9 @@ def finish_surfaces(system: System, state: State, work: Workspace) -> None:
     total = _count_work_of_rows(surfaces, state, work)
     for s in range(len(surfaces.bodies.flexible)):
         e = surfaces.bodies.flexible[s]
+        if out.awake[s]:
+            # So far that of the nodes of candidates alone is known.
+            set_displacements_by_load(surfaces, s, state, work)
         for i in range(modes.range[e], modes.range[e + 1]):
             mean = 0.5 * (state.surfaces.modal_load[i] + out.modal_load_n[i])
             state.energies.modal[0] += mean * (state.modes.eta[i] - out.eta_n[i])
@@ -301,6 +304,35 @@ def set_displacements_by_load(surfaces: Surfaces, s: int, state: State, work: Wo
     for k in range(first, last):
         for x in range(3):
             out.by_load[k, x] = column[3 * (k - first) + x]
+
+
+@compiled
+def list_loaded(surfaces: Surfaces, s: int, state: State, work: Workspace) -> int:
+    """The dofs of nodes of a body that carry loads, in `loaded`: how many there are."""
+    bodies, count = surfaces.bodies, 0
+    first = bodies.node[s]
+    for k in range(first, bodies.node[s + 1]):
+        for x in range(3):
+            if state.surfaces.load[k, x] != 0.0:
+                work.surfaces.loaded[count] = 3 * (k - first) + x
+                count += 1
+    return count
+
+
+@compiled
+def set_displacement_by_load(
+    surfaces: Surfaces, s: int, k: int, count: int, state: State, work: Workspace
+) -> None:
+    """G f of node k of body s alone, whose loaded dofs are in `loaded`."""
+    bodies, first = surfaces.bodies, surfaces.bodies.node[s]
+    width_of_G = 3 * (bodies.node[s + 1] - first)
+    for x in range(3):
+        total = 0.0
+        start = bodies.G_start[s] + (3 * (k - first) + x) * width_of_G
+        for i in range(count):
+            z = work.surfaces.loaded[i]
+            total += state.surfaces.load[first + z // 3, z % 3] * bodies.G[start + z]
+        work.surfaces.by_load[k, x] = total
 
 
 @compiled

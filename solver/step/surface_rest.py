@@ -1,7 +1,13 @@
 """Contacts of surfaces in a search for an equilibrium, and the start of a run from one."""
 
 from ..compiler.marks import entry
-from .surface_motion import finish_surfaces, keep_places, keep_start, load_modes
+from .surface_motion import (
+    finish_surfaces,
+    keep_places,
+    keep_start,
+    load_modes,
+    set_displacements_by_load,
+)
 from .surface_results import total_surfaces
 from .system import State, System, Workspace
 
@@ -9,6 +15,8 @@ from .system import State, System, Workspace
 @entry
 def end_search_step(system: System, state: State, work: Workspace) -> None:
     """Displacements of nodes that the next step of a search for an equilibrium begins with."""
+    for s in range(len(system.surfaces.bodies.flexible)):
+        set_displacements_by_load(system.surfaces, s, state, work)
     for k in range(len(state.surfaces.u)):
         for x in range(3):
             state.surfaces.u[k, x] = work.surfaces.base[k, x] + work.surfaces.by_load[k, x]

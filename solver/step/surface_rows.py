@@ -14,11 +14,19 @@ from .facing import deformed, slip_row, support_of, target_axes, target_origin
 from .frames import coordinate, pull_back, width
 from .records.surfaces import Surfaces
 from .second_order import subtract_slopes
-from .surface_motion import add_by_interfaces, layer_compliance, set_displacements_by_load
+from .surface_motion import (
+    add_by_interfaces,
+    layer_compliance,
+    list_loaded,
+    set_displacement_by_load,
+    set_displacements_by_load,
+)
 from .surface_second import add_slopes
 from .system import State, System, Workspace
 from .vectors import Vector, add, add_to_row, cross, dot, rotate, rotate_back, row, scale, subtract
 
+MAX_PICKED = 4
+"""nodes for each needed one from which on these alone are moved: whole rows of G are quick"""
 MAX_TURN = 1e-4
 """change of a gradient with which an old W still serves: corrections shrink by as much"""
 
@@ -202,8 +210,11 @@ def _add_column(surfaces: Surfaces, m: int, r: int, s: int, work: Workspace) -> 
 
 
 @compiled
-def load_nodes(system: System, m: int, state: State, work: Workspace) -> None:
-    """Forces on the nodes of the bodies of island m, and their displacements by these."""
+def load_nodes(system: System, m: int, whole: bool, state: State, work: Workspace) -> None:
+    """Forces on the nodes of the bodies of island m, and their displacements by these.
+
+    Those of all nodes, or of the nodes of candidates alone.
+    """
     surfaces, out = system.surfaces, work.surfaces
     patches = surfaces.patches
     for s in range(len(surfaces.bodies.flexible)):
@@ -225,7 +236,38 @@ def load_nodes(system: System, m: int, state: State, work: Workspace) -> None:
                     state.surfaces.load[out.other[j], x] += force * out.other_gradient[j, x]
     for s in range(len(surfaces.bodies.flexible)):
         if surfaces.bodies.island[s] == m and out.awake[s]:
-            set_displacements_by_load(surfaces, s, state, work)
+            if whole:
+                set_displacements_by_load(surfaces, s, state, work)
+            else:
+                _move_candidates(surfaces, m, s, state, work)
+
+
+@compiled
+def _move_candidates(surfaces: Surfaces, m: int, s: int, state: State, work: Workspace) -> None:
+    """Displacements by forces of the nodes of body s around or below candidates of island m."""
+    out, contacts, patches = work.surfaces, surfaces.contacts, surfaces.patches
+    first, last = surfaces.bodies.node[s], surfaces.bodies.node[s + 1]
+    out.is_needed[first:last] = 0
+    for r in range(out.count[m]):
+        c = out.contact[m, r]
+        if patches.owner[contacts.patch[c]] == s:
+            begin, end, _ = _supports(surfaces, m, r, work)
+            for j in range(begin, end):
+                out.is_needed[patches.support[j]] = 1
+        if contacts.frame[c] < 0 and patches.owner[contacts.target[c]] == s:
+            begin, end = _others(surfaces, m, r, work)
+            for j in range(begin, end):
+                out.is_needed[out.other[j]] = 1
+    needed = 0
+    for k in range(first, last):
+        needed += out.is_needed[k]
+    if MAX_PICKED * needed > last - first:
+        set_displacements_by_load(surfaces, s, state, work)
+        return
+    count = list_loaded(surfaces, s, state, work)
+    for k in range(first, last):
+        if out.is_needed[k]:
+            set_displacement_by_load(surfaces, s, k, count, state, work)
 
 
 @compiled

@@ -175,7 +175,7 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
             has_friction = not out.held[0]
     # New gradients: the same forces of rows are other forces on nodes.
     if looks:
-        load_nodes(system, m, state, work)
+        load_nodes(system, m, False, state, work)
     if is_W_outdated(surfaces, m, work):
         set_compliances(surfaces, m, work)
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
@@ -207,7 +207,8 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
         # No motion goes on from where there is no solution.
         state.surfaces.force[i] = out.lam[r] if count >= 0 else math.nan
         state.surfaces.gap[i] = out.y[r]
-    load_nodes(system, m, state, work)
+    # The next look sees all nodes, later iterates those of candidates alone.
+    load_nodes(system, m, out.looks[0] + 1 < LOOKS_PER_STEP, state, work)
     push_bodies(system, m, state, work)
     _set_stiffness(system, m, max(count, 0), has_friction, state, work)
 

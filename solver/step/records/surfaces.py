@@ -380,6 +380,10 @@ class SurfaceWork(Struct):
     """derivatives of the gaps of closed rows by the coordinates of the bodies of an island"""
     stiffness: Array = array("n_stiffness")
     """D^T W^-1 D (coordinates, coordinates) of each island, one after the other"""
+    is_needed: Index = array("n_nodes")
+    """1: the node is around or below a candidate"""
+    loaded: Index = array("n_most_displacements")
+    """dofs of the nodes of a body that carry loads"""
     column: Array = array("n_most_displacements")
     """displacements of the nodes of a body by one row"""
     push: Array = array("n_bodies", 6)
