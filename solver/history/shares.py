@@ -16,13 +16,13 @@ follows its load are those of the load, and Coriolis forces by them would feed o
 """
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...superelement import Modes, Rotation, Superelement
+from ...superelement import Modes, Rotation, Superelement, Surfaces
 from ..arrays import Array, Index
 from ..model.bodies import FlexibleBody
 
@@ -30,6 +30,8 @@ BAND_TIMES_STEP = 1.0
 """theta: the highest circular frequency of a moving mode, times the step"""
 LEAST_MODE_SHARE = 1e-9
 """share of a mode that is left out"""
+MODES_OF_RESTS: WeakKeyDictionary[Superelement, Array] = WeakKeyDictionary()
+"""static rests of superelements as modes: a run needs them for each size of step"""
 LEAST_REST = 1e-12
 """compliance, relative to the largest, of a mode of the static rest that is left out"""
 
@@ -72,7 +74,6 @@ def with_rest(element: Superelement, modes: Modes) -> Modes:
     )
 
 
-@lru_cache(maxsize=16)
 def static_rest(element: Superelement) -> Array:
     """psi (3 n, k), the modes of the static rest at the nodes of surfaces; k = 0 without losses."""
     surfaces, modes = element.surfaces, element.modes
@@ -80,6 +81,13 @@ def static_rest(element: Superelement) -> Array:
     assert modes is not None
     if modes.chain is None:
         return np.empty((3 * surfaces.n, 0))
+    if element not in MODES_OF_RESTS:
+        MODES_OF_RESTS[element] = _modes_of_rest(element, surfaces, modes)
+    return MODES_OF_RESTS[element]
+
+
+def _modes_of_rest(element: Superelement, surfaces: Surfaces, modes: Modes) -> Array:
+    """psi of F = psi psi^T / Omega^2."""
     # Of all surfaces of the body, whichever of them are in contact: bodies alike share their modes.
     values, vectors = np.linalg.eigh(surfaces.F(modes.omega))
     kept = values > LEAST_REST * values[-1]
