@@ -245,6 +245,14 @@ def test_flat_rods_meet_as_the_theory_of_rods_has_it(example, tmp_path):
     assert found.velocities[1, -1] == pytest.approx(2.0, rel=0.01)
 
 
+def test_a_hook_snaps_behind_its_catch(example, tmp_path):
+    """Which checks forces on the crest, the frequency of ringing, and the energy."""
+    found, _ = example("snap_fit").main(tmp_path)
+    assert (tmp_path / "snap-fit.png").exists()
+    assert found.lift.max() == pytest.approx(1e-3, rel=0.02)
+    assert found.force[-1] == 0.0
+
+
 def test_a_blade_rubs_on_its_casing(example, tmp_path):
     """Which checks its stretch, friction, and the force against that of half the step."""
     found, _ = example("blade_rub").main(tmp_path)
