@@ -29,6 +29,7 @@ from duhamel.solver.checkpoint.carried import Snapshot, carried
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.history.shares import shares_of
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from .pressing import STEEL, Motion, quietly
 
@@ -223,6 +224,50 @@ def test_a_rub_goes_on_from_any_step_to_the_bit():
     assert again.step(50)
     assert again.forces[1:] == motion.forces[1501:]
     np.testing.assert_array_equal(again.state.bodies.x, motion.state.bodies.x)
+
+
+# Flights
+
+
+def tumbling(shift=(0.0, 0.0, 0.0), turn=None, step=1e-6, **settings):
+    """A blade that meets the floor with its end, and turns, 1 m/s."""
+    turn = turn or Rotation.identity()
+    upright = Rotation.from_rotvec([0.0, 0.5 * np.pi, 0.0])
+    start = Start(
+        position=shift + turn.apply([0.0, 0.0, 0.5 * LENGTH + 2e-5]),
+        rotation=(turn * upright).as_rotvec(),
+        velocity=turn.apply([0.3, 0.0, -1.0]),
+        angular_velocity=upright.inv().apply([3.0, 100.0, 20.0]),
+    )
+    floor = SurfaceContact(
+        "floor",
+        ["blade.end", "ground.floor"],
+        shape="plane",
+        axis=turn.apply([0.0, 0.0, 1.0]),
+        friction=0.1,
+    )
+    return Model(
+        {"blade": FlexibleBody(blade(), start)},
+        surface_contacts=[floor],
+        ground_frames={"floor": Frame(shift)},
+        settings=Settings(t_end=6e-4, step=step, rho_inf=0.9, **settings),
+    )
+
+
+def test_a_blade_that_meets_the_floor_does_so_anywhere():
+    """Turned to rounding, and 1 km away to that of places, 1e-13 m in 1e-6 m of compression."""
+    here = simulate(tumbling()).surface_contact("floor").normal_force
+    assert here.max() > 1000.0
+    turn, far = Rotation.from_rotvec([0.7, -1.1, 0.5]), np.array([600.0, -700.0, 400.0])
+    for place, tolerance in (({"turn": turn}, 1e-9), ({"turn": turn, "shift": far}, 1e-5)):
+        there = simulate(tumbling(**place)).surface_contact("floor").normal_force
+        np.testing.assert_allclose(there, here, atol=tolerance * here.max())
+
+
+def test_long_steps_in_flight_change_nothing_in_a_contact():
+    short = simulate(tumbling()).surface_contact("floor").normal_force
+    both = simulate(tumbling(step=1e-5, contact_step=1e-6)).surface_contact("floor").normal_force
+    assert both.max() == pytest.approx(short.max(), rel=1e-9)
 
 
 # Messages
