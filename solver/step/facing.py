@@ -1,27 +1,45 @@
 """What surfaces face: tangent planes of targets, and rows that average the gaps of their points.
 
-At the points of a facet the gap is measured along the normal of the target; rows weigh it with dual
-functions psi = D M^-1 L of the corners, so that uniform pressures are exact. On facets that their
-target covers in part, psi is made anew over the covered points: M = sum w L L^T, D = diag(sum w L).
-Source: S. Hartmann, S. Brunssen, E. Ramm, B. Wohlmuth: Unilateral non-linear dynamic contact of
-thin-walled structures using a primal-dual active set strategy (2007); T. Cichosz, M. Bischoff:
-Consistent treatment of boundaries with mortar contact formulations using dual Lagrange multipliers
-(2011).
+At the points of a facet the gap is measured along the normal of the target; rows weigh it
+(weights.py).
 """
 
 import math
 
 from ..compiler.marks import compiled
-from .facets import normal_of_facet, point_of_facet, seek_facet, shape_target, walk_to_foot
-from .records.surfaces import Surfaces
-from .surface_shapes import distance_from_shape, find_far_facets
+from .facets import (
+    NOTHING_LEFT,
+    QUAD,
+    TRIANGLE,
+    Cut,
+    cut_at_rim,
+    facet_functions,
+    is_triangle,
+    normal_of_facet,
+    point_of_facet,
+    seek_facet,
+    shape_target,
+    walk_to_foot,
+)
+from .far_facets import distance_from_shape, find_far_facets
+from .records.surfaces import Facets, Surfaces, SurfaceWork
 from .system import State, System, Workspace
-from .vectors import Vector, add, cross, dot, rotate, rotate_back, row, scale, subtract
+from .vectors import (
+    ZERO_VECTOR,
+    Vector,
+    add,
+    cross,
+    dot,
+    rotate,
+    rotate_back,
+    row,
+    scale,
+    subtract,
+)
+from .weights import ALONG_A, ALONG_B, BY_COVER, OF_AREA, OF_SUM, weigh_cut, weigh_whole
 
-COVERED_PART = 1e-2
+COVERED_PART = 3e-3
 """part of the area of a row below which it does not act"""
-MAX_CONDITION = 1e3
-"""condition of M, scaled by its diagonal, above which psi is L"""
 MAX_COMPONENT = 0.9
 """component of a normal above which tangents are not taken from this axis"""
 FACETS_AROUND = 3.0
@@ -85,29 +103,34 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
     p, t = contacts.patch[c], contacts.target[c]
     if t >= 0:
         shape_target(facets, t, out.place, out)
-    else:
-        find_far_facets(surfaces, c, margin, work)
-    per, n_nodes = facets.points[p], facets.n_nodes[p]
     for f in range(facets.range[p], facets.range[p + 1]):
-        below, first = 0, (f - facets.range[p]) * per
+        out.below[f] = out.is_far[f] = 0
         if t >= 0:
             center, radius = _sphere(surfaces, p, f, work)
-            below, distance = _seek(surfaces, c, f, center, radius, work)
+            out.below[f], distance = _seek(surfaces, c, f, center, work)
             out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
+    find_far_facets(surfaces, c, margin, work)
+    per = facets.points[p]
+    for f in range(facets.range[p], facets.range[p + 1]):
+        first = (f - facets.range[p]) * per
         # What is not covered must not keep the weights of another contact.
         for q in range(first, first + per):
             for z in range(4):
                 out.weight[q, z] = 0.0
         if out.is_far[f]:
             continue
-        covered = 0
+        area, covered, whole = 0.0, 0.0, True
         for q in range(first, first + per):
-            y = (0.0, 0.0, 0.0)
-            for z in range(n_nodes):
-                N = patches.N[patches.point[p] + q, z]
-                y = add(y, scale(N, row(out.place, facets.nodes[f, z])))
-            covered += int(_look(surfaces, c, q, y, below, work))
-        _weigh(surfaces, p, f, first, covered, work)
+            area += patches.weight[patches.point[p] + q]
+        for q in range(first, first + per):
+            w = patches.weight[patches.point[p] + q]
+            out.cover[q] = _look(surfaces, c, q, (f, out.below[f]), math.sqrt(w / area), work)
+            covered += out.cover[q] * w / area
+            whole = whole and out.cover[q] == 1.0
+        if whole:
+            weigh_whole(surfaces, p, f, out)
+        elif covered > 0.0:
+            weigh_cut(surfaces, p, f, covered, out)
 
 
 @compiled
@@ -124,60 +147,141 @@ def _sphere(surfaces: Surfaces, p: int, f: int, work: Workspace) -> tuple[Vector
 
 
 @compiled
-def _seek(
-    surfaces: Surfaces, c: int, f: int, center: Vector, radius: float, work: Workspace
-) -> tuple[int, float]:
-    """The facet of the target below the center of facet f, -1: none; and a bound of its distance.
-
-    radius: of a sphere around facet f.
-    """
-    facets, out, t = surfaces.facets, work.surfaces, surfaces.contacts.target[c]
-    # Facets that begin beyond the end of another one cannot be nearest to a point of facet f.
-    least, farthest = math.inf, math.inf
-    for m in range(facets.range[t], facets.range[t + 1]):
-        apart = subtract(center, row(out.facet_center, m))
-        length = math.sqrt(dot(apart, apart))
-        farthest = min(farthest, length + out.facet_radius[m])
-        least = min(least, length - out.facet_radius[m])
-    n_near = 0
-    for m in range(facets.range[t], facets.range[t + 1]):
-        apart = subtract(center, row(out.facet_center, m))
-        if math.sqrt(dot(apart, apart)) - out.facet_radius[m] <= farthest + radius:
-            out.near_facet[n_near] = m
-            n_near += 1
-    p = surfaces.contacts.patch[c]
-    corners = facets.nodes[f]
-    last = facets.corners[p] - 1
+def _seek(surfaces: Surfaces, c: int, f: int, center: Vector, work: Workspace) -> tuple[int, float]:
+    """The facet of the target below the center of facet f, -1: none; a bound of its distance."""
+    facets, out, p = surfaces.facets, work.surfaces, surfaces.contacts.patch[c]
+    corners, last = facets.nodes[f], facets.corners[p] - 1
     # The normal of facet f itself, which the facets below it face.
     a = subtract(row(out.place, corners[1]), row(out.place, corners[0]))
     b = subtract(row(out.place, corners[last]), row(out.place, corners[0]))
-    return seek_facet(facets, t, center, cross(a, b), n_near, out), least
+    return seek_facet(facets, surfaces.contacts.target[c], center, cross(a, b), out)
 
 
 @compiled
-def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Workspace) -> bool:
-    """The plane below point q of contact c, which is at y; False where nothing is below it.
+def _look(
+    surfaces: Surfaces, c: int, q: int, facet: tuple[int, int], size: float, work: Workspace
+) -> float:
+    """The plane below point q of contact c, and the part of its cell that is covered.
 
-    below: the facet of the target below the center of its facet.
+    facet: that of the point, and that of the target below the center of it; size: of the cell, over
+    that of its facet.
     """
-    out, t = work.surfaces, surfaces.contacts.target[c]
+    patches, facets, out = surfaces.patches, surfaces.facets, work.surfaces
+    p, f = surfaces.contacts.patch[c], facet[0]
+    at, y = patches.point[p] + q, ZERO_VECTOR
+    for z in range(facets.corners[p]):
+        out.point_L[q, z] = patches.corner[at, z]
+    for z in range(facets.n_nodes[p]):
+        out.point_N[q, z] = patches.N[at, z]
+        y = add(y, scale(patches.N[at, z], row(out.place, facets.nodes[f, z])))
+    L, triangular = patches.corner[at], is_triangle(facets.kind[p])
+    a = L[1] if triangular else L[1] + L[2] - L[0] - L[3]
+    b = L[2] if triangular else L[2] + L[3] - L[0] - L[1]
+    point = a, b, size
+    part, way, by_part = _lay(surfaces, c, q, y, facet, point, work)
+    if 0.0 < part < 1.0 and surfaces.contacts.target[c] >= 0:
+        # What is covered has the gap of its middle: that of the point may be beyond the rim.
+        for x in range(3):
+            out.by_motion[q, BY_COVER, x] = by_part[x]
+        y = _move_point(surfaces, (p, f), q, (a, b), way, work)
+        _lay(surfaces, c, q, y, facet, point, work)
+        for k in range(2):
+            out.slope_gap[q, k] = dot(row(out.plane, q), row(out.tangent, k))
+        for x in range(3):
+            out.apart[q, x] = y[x]
+        for m in range(facets.n_nodes[surfaces.contacts.target[c]]):
+            below = row(out.facet_place[out.foot[q]], m)
+            for x in range(3):
+                out.apart[q, x] -= out.foot_N[q, m] * below[x]
+    return part
+
+
+@compiled
+def _move_point(
+    surfaces: Surfaces,
+    facet: tuple[int, int],
+    q: int,
+    at: tuple[float, float],
+    way: Vector,
+    work: Workspace,
+) -> Vector:
+    """Take a point to the middle of what is left of its cell, as far as that is on its facet.
+
+    With the slopes of its place in `tangent`, and the gradients of its reference coordinates.
+    facet: the patch and the facet; at: reference coordinates of the point.
+    """
+    facets, out = surfaces.facets, work.surfaces
+    p, f, a, b = facet[0], facet[1], at[0], at[1]
+    _, t_a, t_b = _point_at(facets, p, f, a, b, out)
+    aa, ab, bb = dot(t_a, t_a), dot(t_a, t_b), dot(t_b, t_b)
+    det = aa * bb - ab * ab
+    by_a = scale(1.0 / det, subtract(scale(bb, t_a), scale(ab, t_b)))
+    by_b = scale(1.0 / det, subtract(scale(aa, t_b), scale(ab, t_a)))
+    a, b = a + dot(by_a, way), b + dot(by_b, way)
+    for x in range(3):
+        out.by_motion[q, ALONG_A, x] = out.by_motion[q, ALONG_B, x] = 0.0
+    for i in range(4):
+        across = row(out.rim, i)
+        # The middle of what is left moves half as fast as the rim, the other way.
+        on_a, on_b = -0.5 * dot(by_a, across), -0.5 * dot(by_b, across)
+        for x in range(3):
+            out.by_motion[q, ALONG_A, x] += on_a * across[x]
+            out.by_motion[q, ALONG_B, x] += on_b * across[x]
+    n = facet_functions(TRIANGLE if is_triangle(facets.kind[p]) else QUAD, a, b, out.N, out.dN)
+    for z in range(n):
+        out.point_L[q, z] = out.N[z]
+        out.slope_L[q, 0, z], out.slope_L[q, 1, z] = out.dN[0, z], out.dN[1, z]
+    y, t_a, t_b = _point_at(facets, p, f, a, b, out)
+    for x in range(3):
+        out.tangent[0, x], out.tangent[1, x] = t_a[x], t_b[x]
+    for z in range(facets.n_nodes[p]):
+        out.point_N[q, z] = out.N[z]
+    return y
+
+
+@compiled
+def _point_at(
+    facets: Facets, p: int, f: int, a: float, b: float, out: SurfaceWork
+) -> tuple[Vector, Vector, Vector]:
+    """The point of facet f, whose nodes are placed, at (a, b), and both tangents."""
+    n = facet_functions(facets.kind[p], a, b, out.N, out.dN)
+    y = t_a = t_b = ZERO_VECTOR
+    for z in range(n):
+        place = row(out.place, facets.nodes[f, z])
+        y = add(y, scale(out.N[z], place))
+        t_a = add(t_a, scale(out.dN[0, z], place))
+        t_b = add(t_b, scale(out.dN[1, z], place))
+    return y, t_a, t_b
+
+
+@compiled
+def _lay(
+    surfaces: Surfaces,
+    c: int,
+    q: int,
+    y: Vector,
+    facet: tuple[int, int],
+    point: tuple[float, float, float],
+    work: Workspace,
+) -> Cut:
+    """The plane below point q at y, and what the rim of the target leaves of its cell."""
+    out, contacts = work.surfaces, surfaces.contacts
+    t = contacts.target[c]
     if t < 0:
         gap, n, beyond = distance_from_shape(surfaces, c, y)
         _lay_plane(q, gap, n, y, work)
-        out.foot[q] = -1 if beyond > 0.0 else 0
-        return beyond <= 0.0
+        width = math.sqrt(surfaces.patches.weight[surfaces.patches.point[contacts.patch[c]] + q])
+        return min(max(0.5 - beyond / width, 0.0), 1.0), ZERO_VECTOR, ZERO_VECTOR
     facets = surfaces.facets
-    if below < 0:
-        out.foot[q] = -1
-        return False
-    f, a, b, covered = walk_to_foot(facets, t, y, below, out)
+    if facet[1] < 0:
+        return NOTHING_LEFT
+    f, a, b, to_a, to_b = walk_to_foot(facets, t, y, facet[1], out)
     n = normal_of_facet(facets, t, f, a, b, out)
     foot, _, _ = point_of_facet(facets, t, f, a, b, out)
     gap = dot(n, subtract(y, foot))
     # Far behind the target a point is on the other side of its body, not in it.
-    if not covered or gap < -surfaces.contacts.size[c]:
-        out.foot[q] = -1
-        return False
+    if gap < -contacts.size[c]:
+        return NOTHING_LEFT
     out.foot[q] = f
     # Middle nodes that the mesh does not have move with the corners of their edge.
     n_nodes, n_corners = facets.n_nodes[t], facets.corners[t]
@@ -196,7 +300,8 @@ def _look(surfaces: Surfaces, c: int, q: int, y: Vector, below: int, work: Works
         out.plane[q, x] = n[x]
     out.plane[q, 3] = dot(n, subtract(on_nodes, foot))
     out.gap[q] = gap
-    return True
+    above = contacts.patch[c], facet[0]
+    return cut_at_rim(facets, t, f, (a, b, to_a, to_b), above, point, out)
 
 
 @compiled
@@ -206,92 +311,6 @@ def _lay_plane(q: int, gap: float, n: Vector, y: Vector, work: Workspace) -> Non
         out.plane[q, x] = n[x]
     out.plane[q, 3] = gap - dot(n, y)
     out.gap[q] = gap
-
-
-@compiled
-def _weigh(surfaces: Surfaces, p: int, f: int, first: int, covered: int, work: Workspace) -> None:
-    """w psi at the points of facet f of patch p, from the first on, of which some are covered."""
-    facets, patches, out = surfaces.facets, surfaces.patches, work.surfaces
-    per, n = facets.points[p], facets.corners[p]
-    start = patches.point[p]
-    if covered == 0:
-        return
-    if covered == per:
-        for q in range(first, first + per):
-            for z in range(n):
-                out.weight[q, z] = patches.weight[start + q] * patches.dual[start + q, z]
-        return
-    # A few covered points at a corner may leave M singular: psi is then L.
-    regular = _invert_mass(surfaces, p, first, work)
-    for q in range(first, first + per):
-        if out.foot[q] < 0:
-            continue
-        for z in range(n):
-            psi = patches.corner[start + q, z]
-            if regular:
-                psi = 0.0
-                for y in range(n):
-                    psi += out.M[z, 4 + y] * patches.corner[start + q, y]
-            out.weight[q, z] = patches.weight[start + q] * psi
-
-
-@compiled
-def _invert_mass(surfaces: Surfaces, p: int, first: int, work: Workspace) -> bool:
-    """D M^-1 of the covered points of a facet in the right half of `M`; False if M is singular."""
-    patches, facets, out = surfaces.patches, surfaces.facets, work.surfaces
-    n, start, M = facets.corners[p], patches.point[p], work.surfaces.M
-    M[:] = 0.0
-    for q in range(first, first + facets.points[p]):
-        if out.foot[q] >= 0:
-            for y in range(n):
-                for z in range(n):
-                    L = patches.corner[start + q, y] * patches.corner[start + q, z]
-                    M[y, z] += patches.weight[start + q] * L
-    norm = 0.0
-    for z in range(n):
-        M[z, 4 + z] = 1.0
-        for y in range(n):
-            norm += M[y, z] * M[y, z] / (M[y, y] * M[z, z])
-    # Before the elimination, which overwrites the diagonal.
-    D0, D1, D2, D3 = M[0, 0], M[1, 1], M[2, 2], M[3, 3]
-    scales = D0, D1, D2, D3
-    sums = _corner_sums(surfaces, p, first, work)
-    for z in range(n):  # Gauss-Jordan, for M is positive definite where it is regular
-        if not M[z, z] > 0.0:
-            return False
-        pivot = 1.0 / M[z, z]
-        for x in range(8):
-            M[z, x] *= pivot
-        for y in range(n):
-            if y != z:
-                factor = M[y, z]
-                for x in range(8):
-                    M[y, x] -= factor * M[z, x]
-    inverse = 0.0
-    for y in range(n):
-        for z in range(n):
-            inverse += M[y, 4 + z] * M[y, 4 + z] * scales[y] * scales[z]
-    for y in range(n):
-        for z in range(n):
-            M[y, 4 + z] *= sums[y]
-    return norm * inverse < MAX_CONDITION * MAX_CONDITION
-
-
-@compiled
-def _corner_sums(
-    surfaces: Surfaces, p: int, first: int, work: Workspace
-) -> tuple[float, float, float, float]:
-    """sum w L of the covered points, of each corner."""
-    patches, start = surfaces.patches, surfaces.patches.point[p]
-    a = b = c = d = 0.0
-    for q in range(first, first + surfaces.facets.points[p]):
-        if work.surfaces.foot[q] >= 0:
-            w = patches.weight[start + q]
-            a += w * patches.corner[start + q, 0]
-            b += w * patches.corner[start + q, 1]
-            c += w * patches.corner[start + q, 2]
-            d += w * patches.corner[start + q, 3]
-    return a, b, c, d
 
 
 @compiled
@@ -320,6 +339,7 @@ def set_row_gaps(surfaces: Surfaces, c: int, state: State, work: Workspace) -> N
             gaps[i] = math.nan
         else:
             gaps[i] /= out.area[i]
+        out.mean_gap[i] = gaps[i]
 
 
 @compiled
@@ -410,9 +430,13 @@ def _spread(
                 continue
             n = scale(weight, row(out.plane, q) if kind == 0 else tangent)
             offset += weight * out.plane[q, 3]
+            if kind == 0 and t >= 0 and 0.0 < out.cover[q] < 1.0:
+                turn = _by_cut(i, q, corner, work)
+                n = add(n, turn)
+                offset -= dot(turn, row(out.apart, q))
             for z in range(facets.n_nodes[p]):
                 j = first + patches.slot[w, z]
-                N = patches.N[patches.point[p] + q, z]
+                N = out.point_N[q, z]
                 for x in range(3):
                     out.facing[j, x] += N * n[x]
             if t >= 0:
@@ -421,6 +445,17 @@ def _spread(
     # All rows share `listed`: it is left as it was found.
     for j in range(contacts.other[k], contacts.other[k] + out.other_count[k]):
         out.listed[out.other[j]] = -1
+
+
+@compiled
+def _by_cut(i: int, q: int, corner: int, work: Workspace) -> Vector:
+    """How the gap of row i changes with the weights of point q by its motion over the rim."""
+    out, turn = work.surfaces, ZERO_VECTOR
+    y, A, by = out.mean_gap[i], out.area[i], out.by_rim[q, corner]
+    for k in range(3):
+        slope = (by[k, OF_SUM] - y * by[k, OF_AREA]) / A
+        turn = add(turn, scale(slope, row(out.by_motion[q], k)))
+    return turn
 
 
 @compiled

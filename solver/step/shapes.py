@@ -5,7 +5,7 @@ At a point y, in the axes of the frame that carries the shape, a shape gives
     s           signed distance, positive outside
     n           its gradient, the unit normal
     K           its second derivatives (xx, yy, zz, yz, xz, xy), which are the curvatures
-    beyond      how far y is past an end of the shape, 0 where there are none
+    beyond      how far y is past an end of the shape, negative before it; -inf: there is none
 
 `axis` (3,): normal of a plane, axis of a cylinder; `across` (3,): a unit vector perpendicular to
 it, the normal where the distance has none of its own. A shape is a class with `@shape`.
@@ -84,7 +84,7 @@ class Plane:
 
     @staticmethod
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
-        return dot(axis, y), axis, NO_CURVATURE, 0.0
+        return dot(axis, y), axis, NO_CURVATURE, -math.inf
 
 
 @shape
@@ -96,7 +96,7 @@ class Sphere:
     @staticmethod
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
         s, n, K = _round(parameters[RADIUS], y, (0.0, 0.0, 0.0), across)
-        return s, n, K, 0.0
+        return s, n, K, -math.inf
 
 
 @shape
@@ -109,7 +109,7 @@ class Cylinder:
     def at(parameters: Array, axis: Vector, across: Vector, y: Vector) -> Surface:
         along = dot(axis, y)
         s, n, K = _round(parameters[RADIUS], subtract(y, scale(along, axis)), axis, across)
-        return s, n, K, max(abs(along) - parameters[HALF_LENGTH], 0.0)
+        return s, n, K, abs(along) - parameters[HALF_LENGTH]
 
 
 @shape
@@ -147,7 +147,28 @@ class Profile:
             k * t_[0] * t_[2],
             k * t_[0] * t_[1],
         )
-        return s, n, K, beyond if beyond > NEGLIGIBLE_OVERRUN * speed else 0.0
+        if not beyond > NEGLIGIBLE_OVERRUN * speed:
+            beyond = -_distance_from_ends(parameters, x, z)
+        return s, n, K, beyond
+
+
+@compiled
+def _distance_from_ends(parameters: Array, x: float, z: float) -> float:
+    """The distance of a point of a profile from the nearer of its ends."""
+    last = int(parameters[0]) - 1
+    if parameters[1 + NUMBERS_PER_PIECE * (last + 1)] > 0.0:
+        return math.inf  # it is closed
+    first_x, _, _ = cubic(parameters, 0, 1, 0.0)
+    first_z, _, _ = cubic(parameters, 0, 5, 0.0)
+    length = parameters[1 + NUMBERS_PER_PIECE * last]
+    last_x, _, _ = cubic(parameters, last, 1, length)
+    last_z, _, _ = cubic(parameters, last, 5, length)
+    return math.sqrt(
+        min(
+            (x - first_x) * (x - first_x) + (z - first_z) * (z - first_z),
+            (x - last_x) * (x - last_x) + (z - last_z) * (z - last_z),
+        )
+    )
 
 
 @compiled

@@ -8,10 +8,10 @@ import math
 
 from ..compiler.marks import compiled
 from .facing import target_axes, target_origin
+from .far_facets import distance_from_shape
 from .records.surfaces import Surfaces
 from .second_order import first_coordinate
 from .surface_motion import wake
-from .surface_shapes import distance_from_shape
 from .system import State, System, Workspace
 from .vectors import Vector, add, cross, dot, inner, rotate, row, scale, subtract
 

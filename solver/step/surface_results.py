@@ -6,10 +6,14 @@ from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .events import end_contact
 from .facing import deformed, slip_row, support_of
+from .records.surfaces import Surfaces
 from .surface_motion import add_up_modes
 from .system import Output, State, System, Workspace
 from .vectors import Vector, add, add_to_row, cross, dot, rotate, rotate_back, row, scale, subtract
 
+PRESSED_PART = 0.1
+"""least part of its area over which results spread the force of a row: under an edge, which covers
+next to nothing of it, pressures have no bound"""
 NEGLIGIBLE_SEPARATION = 1e-10
 """of a rate of separation over the speeds of which it is the difference"""
 
@@ -150,6 +154,14 @@ def _velocity(b: int, place: Vector, before: bool, state: State, work: Workspace
 
 
 @compiled
+def _pressed_area(surfaces: Surfaces, c: int, i: int, work: Workspace) -> float:
+    """The area over which the force of row i of contact c is spread in results [m^2]."""
+    contacts, patches = surfaces.contacts, surfaces.patches
+    whole = patches.area[i - contacts.row[c] + patches.row[contacts.patch[c]]]
+    return max(float(work.surfaces.area[i]), PRESSED_PART * float(whole))
+
+
+@compiled
 def _record_friction(
     system: System, c: int, i: int, state: State, work: Workspace, output: Output, k: int
 ) -> None:
@@ -162,7 +174,9 @@ def _record_friction(
             s = slip_row(surfaces, c, i, kind)
             # Of a slip, `normal` is its tangent and `gap` its way in the step.
             tangent = rotate(state.bodies.R, b, row(totals.normal, s))
-            traction = add(traction, scale(totals.force[s] / work.surfaces.area[i], tangent))
+            traction = add(
+                traction, scale(totals.force[s] / _pressed_area(surfaces, c, i, work), tangent)
+            )
             square += totals.gap[s] * totals.gap[s]
     for x in range(3):
         output.surface_row_traction[k, i, x] = traction[x]
@@ -185,10 +199,10 @@ def record_surfaces(system: System, state: State, work: Workspace, output: Outpu
             if totals.force[i] > 0.0:
                 closed += 1
                 area += out.area[i]
-                pressure = totals.force[i] / out.area[i]
+                pressure = totals.force[i] / _pressed_area(system.surfaces, c, i, work)
                 largest = max(largest, pressure)
                 # What is closed presses the layer together, if there is one.
-                gap -= contacts.layer[c] * pressure
+                gap -= contacts.layer[c] * totals.force[i] / out.area[i]
             if not gap >= least:  # also where the least is no number yet
                 least = gap if not math.isnan(gap) else least
             if wanted:

@@ -253,6 +253,14 @@ def test_a_hook_snaps_behind_its_catch(example, tmp_path):
     assert found.force[-1] == 0.0
 
 
+def test_gears_rattle_in_their_backlash(example, tmp_path):
+    """Which checks the arm of the force, the stiffness of the teeth, the backlash, and the energy."""
+    found, _ = example("gear_pair").main(tmp_path)
+    assert (tmp_path / "gear-pair.png").exists()
+    assert found.way.max() > 8e-5
+    assert found.way.min() < -8e-5
+
+
 def test_a_blade_rubs_on_its_casing(example, tmp_path):
     """Which checks its stretch, friction, and the force against that of half the step."""
     found, _ = example("blade_rub").main(tmp_path)

@@ -31,6 +31,7 @@ from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.schema.tables import table_of
 from duhamel.solver.step.complementarity import solve_complementarity
 from duhamel.solver.step.facets import (
+    cut_at_rim,
     facet_functions,
     point_of_facet,
     shape_target,
@@ -665,9 +666,12 @@ def feet(motion, points, first):
     shape_target(facets, t, system.surfaces.patches.X, out)
     found = []
     for point in points:
-        f, a, b, covered = walk_to_foot(facets, t, tuple(point), int(facets.range[t]) + first, out)
-        foot, _, _ = point_of_facet(facets, t, f, a, b, out)
-        found.append((*foot, covered))
+        f, *at = walk_to_foot(facets, t, tuple(point), int(facets.range[t]) + first, out)
+        foot, _, _ = point_of_facet(facets, t, f, *at[:2], out)
+        # of a facet without size, whose cells are covered wholly or not at all
+        out.place[facets.nodes[0]] = 0.0
+        part, _, _ = cut_at_rim(facets, t, f, tuple(at), (0, 0), (0.0, 0.0, 0.5), out)
+        found.append((*foot, part))
     return np.array(found)
 
 
@@ -682,7 +686,7 @@ def test_feet_are_below_points_also_on_edges_and_corners_of_facets(first):
     level = np.full((len(points), 1), 0.5 * EDGE)
     found = feet(motion, np.hstack([points, level + 1e-5]), first)
     np.testing.assert_allclose(found[:, :3], np.hstack([points, level]), atol=1e-12)
-    assert found[:, 3].all()
+    assert (found[:, 3] == 1.0).all()
     beyond = [[0.6 * EDGE, y, 0.5 * EDGE] for y in lines]
     assert not feet(motion, beyond, first)[:, 3].any()
 

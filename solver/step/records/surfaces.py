@@ -295,12 +295,10 @@ class SurfaceWork(Struct):
     """normals of these facets, as long as twice their areas [m^2]"""
     corner_normal: Array = array("n_facets", 4, 3)
     """unit normals at their corners"""
-    facet_center: Array = array("n_facets", 3)
-    """centers of spheres around them [m]"""
-    facet_radius: Array = array("n_facets")
-    """radii of these spheres [m]"""
-    near_facet: Index = array("n_facets")
-    """facets of a target that may be the nearest to the points of another facet"""
+    facet_low: Array = array("n_facets", 3)
+    """lower corners of boxes around them [m]"""
+    facet_high: Array = array("n_facets", 3)
+    """upper corners of these boxes [m]"""
     N: Array = array(9)
     """shape functions of a facet"""
     dN: Array = array(2, 9)
@@ -308,21 +306,51 @@ class SurfaceWork(Struct):
     plane: Array = array("n_most_points", 4)
     """tangent plane of each point of one contact, normal and offset, in the axes of its target"""
     foot: Index = array("n_most_points")
-    """facet of the target below each point, -1: none"""
+    """facet of the target below each point that is covered"""
     foot_N: Array = array("n_most_points", 9)
     """shape functions of its nodes there"""
     gap: Array = array("n_most_points")
     """gaps of the points [m]"""
+    point_N: Array = array("n_most_points", 9)
+    """shape functions of the nodes of its facet at each point of one contact, or in the middle of
+    the covered part of its cell"""
+    point_L: Array = array("n_most_points", 4)
+    """linear shape functions of the corners there"""
+    cover: Array = array("n_most_points")
+    """part of the cell of each point that the target covers"""
     weight: Array = array("n_most_points", 4)
     """w psi of the corners of the facet of each point, 0 where it is not covered [m^2]"""
     node_gap: Array = array("n_nodes")
-    """distances of the nodes of one contact from its shape [m]"""
+    """gaps of the nodes of one contact [m]; not a number: not known"""
     row_gap: Array = array("n_contact_rows")
     """bounds from below of the gaps of its rows [m]"""
+    below: Index = array("n_facets")
+    """facet of the target below the center of each facet, -1: none"""
     is_far: Index = array("n_facets")
     """1: the facet is too far from its target to be looked at"""
+    rim: Array = array(4, 3)
+    """unit vectors across the edges of a target that cut the cell of one point; 0: it does not"""
+    tangent: Array = array(2, 3)
+    """tangents of a facet at one point"""
+    slope_L: Array = array("n_most_points", 2, 4)
+    """derivatives of `point_L` by the reference coordinates, of points whose cell is cut"""
+    slope_gap: Array = array("n_most_points", 2)
+    """derivatives of the gap by them [m]"""
+    by_motion: Array = array("n_most_points", 3, 3)
+    """gradients of `cover` and of these coordinates by the motion of the point over its target
+    [1/m]"""
+    apart: Array = array("n_most_points", 3)
+    """from the nodes below the middle of such a cell to it [m]"""
+    by_rim: Array = array("n_most_points", 4, 3, 2)
+    """derivatives of sums of gaps and of areas, see step/weights.py"""
+    mean_gap: Array = array("n_contact_rows")
+    """weighted gaps of the rows [m]"""
+    sums: Array = array(2, 4)
+    """D and G of one facet, see there"""
+    summed: Array = array(4)
+    """D h of one facet"""
     M: Array = array(4, 8)
-    """matrix of the dual functions of one facet, and its inverse"""
+    """matrix of the dual functions of one facet, and its inverse times D"""
     area: Array = array("n_contact_rows")
     """A_i of the covered part of each row [m^2]"""
     facing: Array = array("n_contact_supports", 3)

@@ -1,12 +1,13 @@
-"""Shapes that surfaces meet: distances from them, and the facets that are too far to touch them."""
+"""Gaps of points of surfaces, and the facets that are too far from their targets to touch them."""
 
 import math
 
 from ..compiler.marks import compiled
+from .facets import normal_of_facet, point_of_facet, walk_to_foot
 from .records.surfaces import Surfaces
 from .shapes import surface_at
 from .system import Workspace
-from .vectors import Vector, add, row, scale
+from .vectors import Vector, add, dot, row, scale, subtract
 
 BENDS_OF_GAP = 4.0
 """bends of the gap over a facet that the gap of a row may be below that of its node"""
@@ -27,26 +28,49 @@ def distance_from_shape(surfaces: Surfaces, c: int, y: Vector) -> tuple[float, V
 
 
 @compiled
+def _gap_at(surfaces: Surfaces, c: int, y: Vector, below: int, work: Workspace) -> float:
+    """The gap of a point from the target of contact c; below: the facet from which it is sought."""
+    t = surfaces.contacts.target[c]
+    if t < 0:
+        gap, _, _ = distance_from_shape(surfaces, c, y)
+        return gap
+    if below < 0:
+        return math.inf
+    f, a, b, _, _ = walk_to_foot(surfaces.facets, t, y, below, work.surfaces)
+    n = normal_of_facet(surfaces.facets, t, f, a, b, work.surfaces)
+    foot, _, _ = point_of_facet(surfaces.facets, t, f, a, b, work.surfaces)
+    return dot(n, subtract(y, foot))
+
+
+@compiled
 def find_far_facets(surfaces: Surfaces, c: int, margin: float, work: Workspace) -> None:
-    """Facets none of whose rows can have a gap below the margin, by the gaps of nodes from a shape.
+    """Facets none of whose rows can have a gap below the margin, by the gaps of nodes.
 
     Dual functions make the gap of a row that of its node where gaps are linear over the facets
-    around it; it differs by as much as gaps are bent there.
+    around it; it differs by as much as gaps are bent there. Facets that are far already stay so.
     """
     facets, patches, out = surfaces.facets, surfaces.patches, work.surfaces
     p = surfaces.contacts.patch[c]
     shift = surfaces.contacts.row[c] - patches.row[p]
     for k in range(patches.node[p], patches.node[p + 1]):
-        out.node_gap[k], _, _ = distance_from_shape(surfaces, c, row(out.place, k))
+        out.node_gap[k] = math.nan
     for i in range(patches.row[p], patches.row[p + 1]):
         out.row_gap[i + shift] = math.inf
     for f in range(facets.range[p], facets.range[p + 1]):
+        if out.is_far[f]:
+            continue
+        for z in range(facets.n_nodes[p]):
+            k = facets.nodes[f, z]
+            if math.isnan(out.node_gap[k]):
+                out.node_gap[k] = _gap_at(surfaces, c, row(out.place, k), out.below[f], work)
         bend = BENDS_OF_GAP * _bend_of_gap(surfaces, c, f, work)
         for z in range(facets.corners[p]):
             i = facets.rows[f, z] + shift
             out.row_gap[i] = min(out.row_gap[i], out.node_gap[facets.nodes[f, z]] - bend)
     # A row needs all facets around it, those of near ones too that are far themselves.
     for f in range(facets.range[p], facets.range[p + 1]):
+        if out.is_far[f]:
+            continue
         out.is_far[f] = 1
         for z in range(facets.corners[p]):
             i = facets.rows[f, z] + shift
@@ -68,7 +92,7 @@ def _bend_of_gap(surfaces: Surfaces, c: int, f: int, work: Workspace) -> float:
     for z in range(n):
         center = add(center, scale(1.0 / n, row(out.place, nodes[z])))
         mean += out.node_gap[nodes[z]] / n
-    gap, _, _ = distance_from_shape(surfaces, c, center)
+    gap = _gap_at(surfaces, c, center, out.below[f], work)
     bend = abs(gap - mean)
     for z in range(n, facets.n_nodes[p]):
         between = mean  # of the node in the middle of the facet
