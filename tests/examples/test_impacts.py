@@ -253,6 +253,14 @@ def test_a_hook_snaps_behind_its_catch(example, tmp_path):
     assert found.force[-1] == 0.0
 
 
+def test_a_pendulum_hangs_in_a_socket(example, tmp_path):
+    """Which checks the moment of friction, the loss of a half swing, and the energy."""
+    found, _ = example("ball_socket").main(tmp_path)
+    assert (tmp_path / "ball-socket.png").exists()
+    assert found.angle[-1] < 0.2
+    assert found.normal[0] == 0.0
+
+
 def test_gears_rattle_in_their_backlash(example, tmp_path):
     """Which checks the arm of the force, the stiffness of the teeth, the backlash, and the energy."""
     found, _ = example("gear_pair").main(tmp_path)
