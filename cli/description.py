@@ -5,12 +5,23 @@ from collections.abc import Iterator
 import numpy as np
 from rich.table import Table
 
-from ..superelement import Chain, Interface, Kernel, Modes, Provenance, Rotation, Superelement
+from ..superelement import (
+    Chain,
+    Interface,
+    Kernel,
+    MeasuredModes,
+    Modes,
+    Provenance,
+    Rotation,
+    Superelement,
+)
 from .tables import Row, components, sectioned
 
 SHOWN_FREQUENCIES = 10
 # Of which the stiffening is shown: the softest come first.
 STIFFENED_SHAPES = 20
+SHOWN_COMPLEXITY = 0.1
+"""per cent of a measured shape out of phase from which on it is shown"""
 UNKNOWN_STIFFENING = (
     "none, for [matrices] know none: slender bodies, as blades, soften as they turn where they "
     "would stiffen"
@@ -25,6 +36,7 @@ def describe(element: Superelement) -> Table:
         _surfaces(element),
         _channels(element),
         _frequencies(element.modes),
+        _measured(element.measured),
         _rotation(element.rotation),
         _kernel(element.kernel),
         _provenance(element.provenance),
@@ -115,6 +127,29 @@ def loss_in_words(modes: Modes, chain: Chain) -> str:
         f"{found}by the strain energy that modes of the free body have in each material, those of "
         f"the materials from {fit}{moduli}"
     )
+
+
+def _measured(measured: MeasuredModes | None) -> Iterator[Row]:
+    if measured is None:
+        return
+    used = int(measured.matched.sum())
+    yield (
+        "measured",
+        f"{used} of {len(measured.frequency)} modes: frequencies and damping of a test",
+    )
+    yield from measured_pairs(measured)
+
+
+def measured_pairs(measured: MeasuredModes) -> Iterator[Row]:
+    """A row for each measured mode: damping, and the mode of the model that it is."""
+    for i, frequency in enumerate(measured.frequency):
+        calculated, pair = measured.calculated[i], f"not used, largest MAC {measured.mac[i]:.3f}"
+        if measured.matched[i]:
+            change = 100.0 * (frequency / calculated - 1.0)
+            pair = f"{calculated:.5g} Hz of the mesh ({change:+.2f} %), MAC {measured.mac[i]:.3f}"
+        complexity = 100.0 * measured.complexity[i]
+        phase = f", {complexity:.1f} % out of phase" if complexity >= SHOWN_COMPLEXITY else ""
+        yield f"  {frequency:.5g} Hz", f"{100.0 * measured.damping[i]:.3g} %; {pair}{phase}"
 
 
 def _rotation(rotation: Rotation | None) -> Iterator[Row]:

@@ -151,6 +151,8 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
         ", ".join(f"{value:.5g}" for value in frequencies.values),
     )
     yield "  found", EXACT_FREQUENCIES if frequencies.exact else ESTIMATED_FREQUENCIES
+    if survey.measured is not None:
+        yield "  measured", ", ".join(f"{value:.5g}" for value in survey.measured)
     inside = int((frequencies.values <= band).sum())
     held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"

@@ -18,6 +18,7 @@ from .assembly.source import Source
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .errors import MemoryShortageError, MethodError
+from .measured.update import read_test, updated, with_rigid, with_test
 from .outline import outline_of
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
 from .progress import Stages, Warn, shown_stages, silent
@@ -126,6 +127,11 @@ def memory_shortage_told() -> Iterator[None]:
 def _build(body: Body, stages: Stages) -> Superelement:
     with stages.stage("mesh"):
         source = checked_source(body, stages.warn)
+        # The file keeps the body as it was given, without the sensors and the density of the test.
+        as_given, test = body, read_test(body)
+        if test is not None:
+            body = with_test(body, test, source)
+            source = read_source(body)
     with stages.stage("assembly"), one_blas_thread():  # it has threads of its own
         structure = assemble_on(body, source)
         second = None
@@ -138,7 +144,11 @@ def _build(body: Body, stages: Stages) -> Superelement:
             responses = impulse_responses(structure.with_channels(), body, stages)
             for doubt in doubts_of_responses(body, responses):
                 stages.warn(doubt)
-        return superelement_of(body, source, structure, second, responses, stages)
+        found = None
+        if test is not None:
+            responses, found = updated(test, structure, responses, stages.warn)
+        element = superelement_of(as_given, source, structure, second, responses, stages)
+        return element if test is None or found is None else with_rigid(element, test, found)
 
 
 def checked_source(body: Body, warn: Warn) -> Source:

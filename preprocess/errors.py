@@ -23,6 +23,10 @@ class MatrixError(PreprocessError):
     """Matrices that are unreadable, do not fit their nodes, or are not of a free elastic body."""
 
 
+class MeasurementError(PreprocessError):
+    """A file of a modal test that cannot be read, or that does not fit its body."""
+
+
 class InterfaceError(PreprocessError):
     """An interface or a mass that selects nothing, or too little to carry a frame."""
 

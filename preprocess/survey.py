@@ -14,6 +14,7 @@ from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .body.loss import damping_of
 from .estimate import Frequencies, first_frequencies
+from .measured.update import read_test, with_test
 from .mesh.facets import Facets
 from .mesh.mesh import IntArray, Mesh
 from .plausibility import (
@@ -83,6 +84,8 @@ class Survey:
     band: float
     cost: BuildCost | None
     surfaces: SurfaceCost | None
+    measured: Array | None
+    """frequencies of a modal test [Hz]"""
 
     @property
     def mesh(self) -> Mesh:
@@ -142,7 +145,10 @@ def survey(body: Body, progress: bool = False) -> Survey:
         shown_stages(progress) as stages,
     ):
         with stages.stage("mesh"):
-            source = read_mesh_source(body)
+            source, test = read_mesh_source(body), read_test(body)
+            if test is not None:
+                body = with_test(body, test, source)
+                source = read_mesh_source(body)
         with stages.stage("assembly"):
             structure = assemble_on(body, source)
         with stages.stage("frequencies"):
@@ -164,6 +170,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
         band=band,
         cost=_cost(body, structure),
         surfaces=_surface_cost(structure, source, band),
+        measured=None if test is None else test.modes.frequency,
     )
 
 

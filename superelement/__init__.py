@@ -7,6 +7,7 @@ from .checks import Check
 from .file import read, require_writable, sha256, write
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
+from .measured import MeasuredModes
 from .modes import Modes
 from .outline import Outline
 from .pattern import Pattern
@@ -26,6 +27,7 @@ __all__ = [
     "GeneralizedAlpha",
     "Interface",
     "Kernel",
+    "MeasuredModes",
     "Modes",
     "Outline",
     "Pattern",

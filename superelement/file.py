@@ -39,6 +39,7 @@ from .fields import (
 )
 from .interface import Interface
 from .kernel import Kernel
+from .measured import MeasuredModes
 from .modes import Modes
 from .outline import Outline
 from .pattern import Pattern
@@ -63,6 +64,7 @@ FIRST_WITH_CHAIN = 4
 FIRST_WITH_CHANNELS = 4
 FIRST_WITH_OUTLINE = 5
 FIRST_WITH_SURFACES = 6
+FIRST_WITH_MEASURED = 6
 # The digest of rigid properties and positions of interfaces, which nothing else in the file can
 # confirm.
 PLACEMENT_ATTRIBUTE = "sha256"
@@ -225,7 +227,17 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         _put_recovery(file.create_group("recovery"), body.recovery)
     if body.outline is not None:
         _put_outline(file, body.outline, body.recovery)
+    if body.measured is not None:
+        _put_measured(file.create_group("measured"), body.measured)
     _put_provenance(file.create_group("provenance"), body.provenance)
+
+
+def _put_measured(parent: h5py.Group, measured: MeasuredModes) -> None:
+    put(parent, "frequency", measured.frequency, "Hz")
+    put(parent, "damping", measured.damping, "1")
+    put(parent, "calculated", measured.calculated, "Hz")
+    put(parent, "mac", measured.mac, "1")
+    put(parent, "complexity", measured.complexity, "1")
 
 
 def _put_interfaces(parent: h5py.Group, body: Superelement) -> None:
@@ -377,6 +389,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         provenance=_provenance(file),
         outline=_outline(file) if version >= FIRST_WITH_OUTLINE else None,
         surfaces=_surfaces(file) if version >= FIRST_WITH_SURFACES else None,
+        measured=_measured(file) if version >= FIRST_WITH_MEASURED else None,
     )
     _check_rows(file, body)
     require_sound(body)
@@ -600,6 +613,14 @@ def _surfaces(file: h5py.File) -> Surfaces | None:
                 f"{first[patch.name]:g}"
             )
     return surfaces
+
+
+def _measured(file: h5py.File) -> MeasuredModes | None:
+    if "measured" not in file:
+        return None
+    parent = group(file, "measured")
+    keys = ("frequency", "damping", "calculated", "mac", "complexity")
+    return MeasuredModes(*(numbers(parent, key, "m") for key in keys))
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

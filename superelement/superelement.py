@@ -12,6 +12,7 @@ from . import summary
 from .channels import Channels
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
+from .measured import MeasuredModes
 from .modes import Modes
 from .outline import Outline
 from .pattern import Pattern
@@ -88,6 +89,8 @@ class Superelement:
         What it looks like; None where that is not known, as of matrices of another program.
     surfaces : Surfaces, optional
         What other bodies may touch, node by node.
+    measured : MeasuredModes, optional
+        The modes of a test by which its own were updated.
 
     Raises
     ------
@@ -125,6 +128,7 @@ class Superelement:
     provenance: Provenance = field(default_factory=Provenance)
     outline: Outline | None = None
     surfaces: Surfaces | None = None
+    measured: MeasuredModes | None = None
 
     def __post_init__(self) -> None:
         if not (self.name and self.name.isprintable()):

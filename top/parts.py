@@ -333,6 +333,41 @@ class Part:
             table["loaded"] = tuple(loaded)
         self._table["rotation"] = table
 
+    def measured(
+        self,
+        modes: str | os.PathLike[str],
+        channels: str | os.PathLike[str],
+        *,
+        mass: float | None = None,
+        inertia: ArrayLike | None = None,
+        least_mac: float = 0.8,
+    ) -> None:
+        """Take frequencies and damping of a modal test; the shapes stay those of the mesh.
+
+        Parameters
+        ----------
+        modes : path
+            A table (.csv) or arrays (.npz) of frequencies, damping ratios and shapes.
+        channels : path
+            A table (.csv) of the places and directions of the sensors, in mesh axes [m].
+        mass : float, optional [kg]
+            That of the tested part: all densities are scaled.
+        inertia : (3,), optional [kg m^2]
+            The diagonal about the center of mass, in place of that of the mesh.
+        least_mac : float
+            The modal assurance criterion from which on a measured mode is one of the mesh.
+        """
+        rigid: dict[str, Any] = {} if mass is None else {"mass": mass}
+        if inertia is not None:
+            rigid["inertia"] = vector(inertia)
+        self._table["measured"] = {
+            "modes": Path(modes),
+            "channels": Path(channels),
+            "update": "frequencies",
+            "least_mac": least_mac,
+            "rigid": rigid,
+        }
+
     def body(
         self,
         step: float | None = None,

@@ -64,7 +64,7 @@ def preprocess(
 def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Superelement]") -> None:
     start = perf_counter()
     from ... import files, preprocess, superelement
-    from ..description import loss_in_words
+    from ..description import loss_in_words, measured_pairs
 
     target = output or beside(body_file, ".h5")
     with errors_in_one_line(files, preprocess, superelement):
@@ -81,6 +81,10 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
         superelement.write(element, target)
     if element.modes is not None and element.modes.chain is not None:
         typer.echo(one_line(f"loss factor: {loss_in_words(element.modes, element.modes.chain)}"))
+    # Pair by pair: an assignment that is wrong is seen here, or in measurements of the machine.
+    if element.measured is not None:
+        for frequency, pair in measured_pairs(element.measured):
+            typer.echo(one_line(f"measured: {frequency.strip()}, {pair}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:

@@ -38,6 +38,7 @@ from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
 from .loads import LoadPattern
 from .material import Material, Section
+from .measured import Measured
 from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
 
@@ -292,6 +293,7 @@ class Body(Table):
     damping: Damping = Damping()
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
+    measured: Measured | None = None
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
@@ -433,6 +435,27 @@ class Body(Table):
                 "not have, found 2"
             )
 
+    @rule
+    def _measured_modes(self) -> None:
+        if self.measured is None:
+            return
+        if self.impulse.method == "march":
+            raise ValueError(
+                "measured: needs modes, which impulse.method march does not find: "
+                "use auto, krylov, modal, craig-bampton or rubin"
+            )
+        if self.damping.model_fields_set or any(self.loss_factors.values()):
+            raise ValueError("damping: with [measured] it is that of the test, found another one")
+        if self.measured.rigid.mass is not None and not (self.material or self.materials):
+            raise ValueError(
+                "measured.rigid.mass: scales the density of [material] or [materials], found none"
+            )
+        if self.measured.rigid.inertia is not None and self.rotation is not None:
+            raise ValueError(
+                "measured.rigid.inertia: expected no [rotation], whose terms have the inertia of "
+                "the mesh"
+            )
+
     @property
     def _parts(self) -> dict[str, Section | Material]:
         """Sections or materials by their keys in the file."""
@@ -467,11 +490,13 @@ class Body(Table):
 
     def relative_to(self, folder: Path) -> "Body":
         """A copy whose relative paths start from a folder."""
-        paths: dict[str, Path | Matrices] = {}
+        paths: dict[str, Path | Matrices | Measured] = {}
         if isinstance(self.mesh, Path):
             paths["mesh"] = folder / self.mesh
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)
+        if self.measured is not None:
+            paths["measured"] = self.measured.relative_to(folder)
         return self.model_copy(update=paths)
 
     def with_modes(self, method: Method, modes: int) -> "Body":
@@ -493,7 +518,9 @@ class Body(Table):
 
     def _values(self) -> dict[str, Any]:
         """All but the paths, which depend on the folder that the file is read from."""
-        return self.model_dump(exclude={"mesh", "matrices"})
+        return self.model_dump(
+            exclude={"mesh": True, "matrices": True, "measured": {"modes", "channels"}}
+        )
 
 
 def body_schema() -> dict[str, Any]:

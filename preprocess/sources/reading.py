@@ -53,12 +53,13 @@ def files_of(body: Body) -> tuple[Path, ...]:
     >>> files_of(part.body(step=1e-5))
     ()
     """
+    measured = () if body.measured is None else body.measured.files
     if isinstance(body.mesh, Path):
-        return tuple(mesh_files(body.mesh))
+        return (*mesh_files(body.mesh), *measured)
     if body.matrices is None:
-        return ()
+        return measured
     of_nodes = mesh_files(body.matrices.nodes) if body.matrices.nodes.is_file() else []
-    return (*body.files, *of_nodes)
+    return (*body.files, *of_nodes, *measured)
 
 
 def read_mesh_source(body: Body) -> MeshSource:

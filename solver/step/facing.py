@@ -300,6 +300,7 @@ def _lay(
         out.plane[q, x] = n[x]
     out.plane[q, 3] = dot(n, subtract(on_nodes, foot))
     out.gap[q] = gap
+    # The cell is on the facet of the point, its rim on that below it.
     above = contacts.patch[c], facet[0]
     return cut_at_rim(facets, t, f, (a, b, to_a, to_b), above, point, out)
 
@@ -430,6 +431,7 @@ def _spread(
                 continue
             n = scale(weight, row(out.plane, q) if kind == 0 else tangent)
             offset += weight * out.plane[q, 3]
+            # Slips have no such part: friction does its work by the points that are in contact.
             if kind == 0 and t >= 0 and 0.0 < out.cover[q] < 1.0:
                 turn = _by_cut(i, q, corner, work)
                 n = add(n, turn)

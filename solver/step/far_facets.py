@@ -34,6 +34,7 @@ def _gap_at(surfaces: Surfaces, c: int, y: Vector, below: int, work: Workspace) 
     if t < 0:
         gap, _, _ = distance_from_shape(surfaces, c, y)
         return gap
+    # Nothing faces the facet of this point: it touches nothing.
     if below < 0:
         return math.inf
     f, a, b, _, _ = walk_to_foot(surfaces.facets, t, y, below, work.surfaces)

@@ -60,6 +60,7 @@ def weigh_cut(surfaces: Surfaces, p: int, f: int, covered: float, work: SurfaceW
         work.summed[z] = 0.0
     for q in range(first, first + per):
         for z in range(n):
+            # M_e^-1 D is the transpose of D M_e^-1, for both are symmetric.
             psi = 0.0
             for y in range(n):
                 psi += work.M[y, 4 + z] * work.point_L[q, y]
@@ -114,6 +115,7 @@ def _derive(surfaces: Surfaces, p: int, first: int, covered: float, work: Surfac
     for q in range(first, first + surfaces.facets.points[p]):
         area += patches.weight[patches.point[p] + q]
     for q in range(first, first + surfaces.facets.points[p]):
+        # What is wholly covered or beyond the rim does not change as the facet moves a little.
         if not 0.0 < work.cover[q] < 1.0:
             continue
         w, c, g = patches.weight[patches.point[p] + q], work.cover[q], work.gap[q]

@@ -262,7 +262,7 @@ def test_a_pendulum_hangs_in_a_socket(example, tmp_path):
 
 
 def test_gears_rattle_in_their_backlash(example, tmp_path):
-    """Which checks the arm of the force, the stiffness of the teeth, the backlash, and the energy."""
+    """Which checks the arm of the force, the stiffness of the teeth, the backlash, the energy."""
     found, _ = example("gear_pair").main(tmp_path)
     assert (tmp_path / "gear-pair.png").exists()
     assert found.way.max() > 8e-5

@@ -189,3 +189,31 @@ def test_a_part_with_a_surface_is_written_as_a_body_file_that_makes_the_same(tmp
         part.surface("top", [0.0, 0.0, 0.0])
     with pytest.raises(preprocess.BodyError, match=r"impulse\.band: surfaces need"):
         part.superelement(step=2e-5)
+
+
+def test_a_part_takes_frequencies_of_a_test_also_from_a_body_file(tmp_path):
+    """Written to another folder than that of the test."""
+    plain = bar().superelement(step=2e-5)
+    places = [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.0, 0.1, 0.0), (0.6, 0.1, 0.1), (1.0, 0.0, 0.1)]
+    tested = bar()
+    for k, place in enumerate(places):
+        tested.sensor(f"p{k}", place)
+    element = tested.superelement(step=2e-5)
+    modes = np.argsort(element.modes.omega)[:4]
+    frequencies = 0.97 * element.modes.omega[modes] / (2.0 * np.pi)
+    shapes = element.channels.phi[:, modes].T
+    folder = tmp_path / "test"
+    folder.mkdir()
+    np.savez(folder / "modes.npz", frequency=frequencies, damping=np.full(4, 0.01), shapes=shapes)
+    rows = [f"p{k}, {x}, {y}, {z}, {axis}" for k, (x, y, z) in enumerate(places) for axis in "xyz"]
+    (folder / "channels.csv").write_text("\n".join(["label, x, y, z, axis", *rows]))
+    part = bar()
+    part.measured(folder / "modes.npz", folder / "channels.csv", mass=1.1 * plain.mass)
+    part.write(tmp_path / "bar.toml", step=2e-5)
+    in_memory = part.superelement(step=2e-5)
+    from_file = preprocess.build(preprocess.read_body(tmp_path / "bar.toml"))
+    for found in (in_memory, from_file):
+        assert found.measured.matched.all()
+        assert found.mass == pytest.approx(1.1 * plain.mass, rel=1e-10)
+        lowest = np.sort(found.modes.omega)[:4] / (2.0 * np.pi)
+        np.testing.assert_allclose(lowest, np.sort(frequencies), rtol=1e-10)

@@ -1,0 +1,1 @@
+"""Parts that were measured: what a test has found, and the superelement of it."""
