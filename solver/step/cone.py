@@ -28,6 +28,8 @@ MAX_COEFFICIENTS = 300
 """how often coefficients follow the slips"""
 SETTLED_COEFFICIENT = 1e-10
 """change of a coefficient, over its static one, that counts as none"""
+SLOW_RATE = 0.1
+"""residual over the one before from which on factors of an earlier law are made anew"""
 MAX_HALVINGS = 4
 """how often a correction that does not help is halved"""
 CONVERGED_RESIDUAL = 1e-12
@@ -46,6 +48,7 @@ def solve_cone(
     A: Array,
     order: Index,
     pivots: Index,
+    made: Index,
     lam: Array,
     y: Array,
     law: Array,
@@ -55,12 +58,13 @@ def solve_cone(
 
     -1 where there is no solution. mu (n, 3): static and sliding coefficient of each row and the
     slip in a step at which it falls; of a slip, the second row or the third, it is -1. active (n,):
-    OPEN, STICKS or SLIPS. order: the rows that are not open. law (n, 6): see `_judge`.
+    OPEN, STICKS or SLIPS. order: the rows that are not open. made (n,): `active` as factors in A
+    and pivots were made, -1 where there are none. law (n, 6): see `_judge`.
     """
     for i in range(n):
         law[i, 2] = mu[i, 0]
     for _ in range(MAX_COEFFICIENTS):
-        if not _find_forces(n, W, q, mu, active, A, order, pivots, lam, y, law, trial):
+        if not _find_forces(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial):
             return -1
         if not _follow_slips(n, mu, y, law):
             # Zero to the bit, where the last correction left rounding.
@@ -100,6 +104,7 @@ def _find_forces(
     A: Array,
     order: Index,
     pivots: Index,
+    made: Index,
     lam: Array,
     y: Array,
     law: Array,
@@ -113,7 +118,7 @@ def _find_forces(
                 for i in range(n):
                     lam[i] = 0.0
             _relax(n, W, q, mu, lam, law)
-        if _run_newton(n, W, q, mu, active, A, order, pivots, lam, y, law, trial):
+        if _run_newton(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial):
             return True
     return False
 
@@ -146,6 +151,7 @@ def _run_newton(
     A: Array,
     order: Index,
     pivots: Index,
+    made: Index,
     lam: Array,
     y: Array,
     law: Array,
@@ -153,6 +159,7 @@ def _run_newton(
 ) -> bool:
     """The semismooth Newton's method from the forces at hand; False where it does not converge."""
     residual = _judge(n, W, q, mu, active, lam, y, law)
+    slow = False
     for _ in range(MAX_ITERATIONS):
         largest = 0.0
         for i in range(n):
@@ -161,7 +168,9 @@ def _run_newton(
             break
         # Open rows are solved for at once, lambda = 0: only closed ones need the factors.
         count = order_rows(n, active, order)
-        if not factorize_law(count, W, active, law, order, pivots, A):
+        # Factors of the same rows serve as long as they lead on: making them is most of the work.
+        kept = not slow and is_made(n, active, made)
+        if not kept and not make_factors(n, count, W, active, law, order, pivots, A, made):
             return False
         for i in range(n):
             trial[i] = 0.0 if active[i] else -law[i, 0]
@@ -191,6 +200,7 @@ def _run_newton(
             for i in range(n):
                 lam[i] += (1.0 - part) * trial[i]
             residual = _judge(n, W, q, mu, active, lam, y, law)
+        slow = kept and not residual < SLOW_RATE * before
     largest = 0.0
     for i in range(n):
         largest = max(largest, abs(lam[i]))
@@ -292,7 +302,37 @@ def by_law(active: Index, law: Array, i: int, k: int, x: Array, unit: bool) -> f
 
 
 @compiled
-def factorize_law(
+def is_made(n: int, active: Index, made: Index) -> bool:
+    """Whether the factors are those of rows of this status."""
+    for i in range(n):  # noqa: SIM110 - compiled code has no generators
+        if active[i] != made[i]:
+            return False
+    return True
+
+
+@compiled
+def make_factors(
+    n: int,
+    count: int,
+    W: Array,
+    active: Index,
+    law: Array,
+    order: Index,
+    pivots: Index,
+    A: Array,
+    made: Index,
+) -> bool:
+    """Factors of the law as it is, with the status of its rows; False where it is singular."""
+    for i in range(n):
+        made[i] = active[i]
+    if not _factorize_law(count, W, active, law, order, pivots, A):
+        made[0] = -1
+        return False
+    return True
+
+
+@compiled
+def _factorize_law(
     count: int, W: Array, active: Index, law: Array, order: Index, pivots: Index, A: Array
 ) -> bool:
     """LU factors of the closed part of I - D (I - r W); False where it is singular."""

@@ -98,15 +98,24 @@ def set_gaps(system: System, m: int, c: int, state: State, work: Workspace) -> N
 
 
 @compiled
+def has_rows_of_W(m: int, work: Workspace) -> bool:
+    """Whether the candidates of island m are those for which W was made."""
+    out = work.surfaces
+    if out.W_count[m] != out.count[m]:
+        return False
+    for r in range(out.count[m]):  # noqa: SIM110 - compiled code has no generators
+        if out.W_row[m, r] != out.candidate[m, r]:
+            return False
+    return True
+
+
+@compiled
 def is_W_outdated(surfaces: Surfaces, m: int, work: Workspace) -> bool:
     """Whether candidates or their gradients have changed since W of island m was made."""
     out = work.surfaces
     # The list of candidates first: gradients of different rows cannot be compared.
-    if out.W_count[m] != out.count[m]:
+    if not has_rows_of_W(m, work):
         return True
-    for r in range(out.count[m]):
-        if out.W_row[m, r] != out.candidate[m, r]:
-            return True
     for r in range(out.count[m]):
         begin, end, first = _supports(surfaces, m, r, work)
         for j in range(first, first + end - begin):

@@ -16,13 +16,14 @@ import math
 
 from ..compiler.marks import compiled, entry
 from .complementarity import solve_closed, solve_complementarity
-from .cone import by_law, factorize_law, solve_cone
+from .cone import by_law, is_made, make_factors, solve_cone
 from .facing import face_slips, face_target, look_at_target, place_nodes, set_row_gaps, slip_row
 from .lu import substitute_lu
 from .records.surfaces import Surfaces
 from .surface_approach import closing_speed, elastic_way, find_near, length
 from .surface_motion import move_freely, set_base, set_displacements_by_load
 from .surface_rows import (
+    has_rows_of_W,
     is_W_outdated,
     load_nodes,
     push_bodies,
@@ -176,6 +177,10 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     # New gradients: the same forces of rows are other forces on nodes.
     if looks:
         load_nodes(system, m, False, state, work)
+    # Factors of other candidates with the same status are not theirs; and a run that goes on from a
+    # checkpoint has none of the step before.
+    if out.looks[0] == 0 or not has_rows_of_W(m, work):
+        out.made[m, 0] = -1
     if is_W_outdated(surfaces, m, work):
         set_compliances(surfaces, m, work)
     for w in range(contacts.island_range[m], contacts.island_range[m + 1]):
@@ -239,6 +244,7 @@ def _solve_with_friction(system: System, m: int, state: State, work: Workspace) 
             out.factor[m],
             out.order[m],
             out.pivots,
+            out.made[m],
             out.lam,
             out.y,
             out.law,
@@ -304,7 +310,19 @@ def _set_stiffness(
     if has_friction:
         # It has the room of Cholesky's factor, which is to be made anew without friction.
         out.factored[m, 0] = -1
-        factorize_law(count, out.W[m], out.active, out.law, out.order[m], out.pivots, out.factor[m])
+        n = out.count[m]
+        if not is_made(n, out.active, out.made[m]):
+            make_factors(
+                n,
+                count,
+                out.W[m],
+                out.active,
+                out.law,
+                out.order[m],
+                out.pivots,
+                out.factor[m],
+                out.made[m],
+            )
     for z in range(width_of_D):
         _answer(m, count, z, has_friction, work)
         for x in range(width_of_D):

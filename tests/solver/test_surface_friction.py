@@ -33,7 +33,8 @@ def test_forces_obey_coulombs_law(static, sliding, seed):
     law = np.tile([[static * sliding, sliding, 0.3], *2 * [[-1.0, sliding, 0.3]]], (rows, 1))
     lam, y, trial = np.zeros((3, n))
     active, order, pivots = np.zeros((3, n), dtype=np.int64)
-    scratch = np.zeros((n, n)), order, pivots, lam, y, np.zeros((n, 6)), trial
+    made = np.full(n, -1)
+    scratch = np.zeros((n, n)), order, pivots, made, lam, y, np.zeros((n, 6)), trial
     assert solve_cone(n, W, q, law, active, *scratch) == (active > 0).sum()
     P, T = lam[::3], lam.reshape(-1, 3)[:, 1:]
     gap, slip = (q + W @ lam)[::3], (q + W @ lam).reshape(-1, 3)[:, 1:]

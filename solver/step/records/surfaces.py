@@ -287,6 +287,8 @@ class SurfaceWork(Struct):
     """their law, see there"""
     pivots: Index = array("n_most_rows")
     """pivots of its factors"""
+    made: Index = array("n_islands", "n_most_rows")
+    """status of the candidates for which these factors were made, -1: there are none"""
     trial: Array = array("n_most_rows")
     """corrections of forces there"""
     facet_place: Array = array("n_facets", 9, 3)
