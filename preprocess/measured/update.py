@@ -22,8 +22,6 @@ from ..body.sensors import SensorPoint
 from ..errors import MeasurementError
 from ..progress import Warn
 from ..responses.impulse import ImpulseResponses
-from ..sources.lines import LineSource
-from ..sources.solids import SolidSource
 from .channels import ChannelTable, read_channels
 from .matching import Matches, matched
 from .modal_data import DOUBTED_COMPLEXITY, ModalData, read_modes
@@ -73,9 +71,10 @@ def with_test(body: Body, test: ModalTest, source: Source) -> Body:
 def _on_mesh(test: ModalTest, source: Source) -> dict[str, Array]:
     """The node of a mesh that is nearest to each sensor, for these stand on the part, not in it."""
     sensors = test.channels.sensors
-    if not isinstance(source, LineSource | SolidSource):
-        return sensors  # of matrices, whose nodes say where they are read
-    points = source.mesh.points
+    mesh = getattr(source, "mesh", None)
+    if mesh is None:
+        return sensors  # of matrices: it is read at their nodes
+    points = mesh.points
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     for label, point in sensors.items():
         apart = np.linalg.norm(points - point, axis=1)
