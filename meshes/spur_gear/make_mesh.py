@@ -48,8 +48,8 @@ def tooth(s: Array, t: Array) -> tuple[Array, Array]:
     return r, s * half_angle(r)
 
 
-def section() -> tuple[Array, NDArray[np.int64], list[tuple[int, int]]]:
-    """Points (n, 2) and quadrilaterals of the section, and edges of the flanks that mesh."""
+def section() -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Points (n, 2) and quadrilaterals (m, 4) of the section, and edges (k, 2) of its flanks."""
     pitch = 2.0 * np.pi / TEETH
     quads, flanks = [], []
     for k in range(TEETH):
@@ -95,18 +95,12 @@ def gear() -> meshio.Mesh:
     on_bore = np.abs(np.hypot(*points.T) - BORE) < 1e-9
     inner = np.array([quad[[3, 0]] for quad in quads if on_bore[quad[[0, 3]]].all()])
     bore = np.column_stack([inner, inner[:, ::-1] + n])
+    groups = [np.full(len(block), k + 1) for k, block in enumerate((bore, sides, bricks))]
     names = {"bore": (1, 2), "teeth": (2, 2), "gear": (3, 3)}
     return meshio.Mesh(
         np.concatenate([low, high]),
         [("quad", bore), ("quad", sides), ("hexahedron", bricks)],
-        cell_data={
-            "gmsh:physical": [
-                np.full(len(block), k + 1) for k, block in enumerate([bore, sides, bricks])
-            ],
-            "gmsh:geometrical": [
-                np.full(len(block), k + 1) for k, block in enumerate([bore, sides, bricks])
-            ],
-        },
+        cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
         field_data={name: np.array(value) for name, value in names.items()},
     )
 
