@@ -192,6 +192,8 @@ def _press_island(system: System, m: int, state: State, work: Workspace) -> None
     if has_friction:
         count = _solve_with_friction(system, m, state, work)
     else:
+        # Its factor takes the room of those with friction.
+        out.made[m, 0] = -1
         count = solve_complementarity(
             n,
             out.W[m],

@@ -72,10 +72,8 @@ def weigh_cut(surfaces: Surfaces, p: int, f: int, covered: float, work: SurfaceW
 @compiled
 def _lumped_part(s: float) -> tuple[float, float]:
     """e, and its derivative by the part s of a facet that is left."""
-    width, rest = 3.0 - 2.0 * s, (1.0 - s) ** 7
-    return (1.0 - s) * (1.0 / width + LUMPED_SLIVER * rest), -1.0 / (
-        width * width
-    ) - 8.0 * LUMPED_SLIVER * rest
+    width, sliver = 3.0 - 2.0 * s, LUMPED_SLIVER * (1.0 - s) ** 7
+    return (1.0 - s) * (1.0 / width + sliver), -1.0 / (width * width) - 8.0 * sliver
 
 
 @compiled
@@ -134,11 +132,8 @@ def _derive(surfaces: Surfaces, p: int, first: int, covered: float, work: Surfac
             for z in range(n):
                 along += work.slope_L[q, k, z] * work.summed[z] / work.sums[0, z]
             for y in range(n):
-                h, L, dL = (
-                    work.summed[y] / work.sums[0, y],
-                    work.point_L[q, y],
-                    work.slope_L[q, k, y],
-                )
+                h = work.summed[y] / work.sums[0, y]
+                L, dL = work.point_L[q, y], work.slope_L[q, k, y]
                 change = dL * (g - (1.0 - e) * at - e * h)
                 change += L * (work.slope_gap[q, k] - (1.0 - e) * along)
                 _add_change(n, q, ALONG_A + k, y, c * w * change, c * w * dL * h, c * w * dL, work)
