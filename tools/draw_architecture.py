@@ -44,7 +44,7 @@ ABOUT = {
     "preprocess/solving": "linear systems: factors, cost",
     "preprocess/responses": "impulse and static responses, modes",
     "preprocess/rotation": "second order in a few coordinates",
-    "preprocess/measured": "modes of a test, and models that follow them",
+    "preprocess/measured": "models that follow a test",
     "preprocess/estimate": "time and memory to expect",
     "preprocess/recovery": "fields on the surface",
     "preprocess/outline": "what a body looks like",
