@@ -7,8 +7,8 @@ node; a target is a shape, or spheres as well. Source: docs/theory.md, Contact o
 import math
 
 from ..compiler.marks import compiled
-from .facing import target_axes, target_origin
 from .far_facets import distance_from_shape
+from .planes import target_axes, target_origin
 from .records.surfaces import Surfaces
 from .second_order import first_coordinate
 from .surface_motion import wake

@@ -13,8 +13,8 @@ import math
 from ..arrays import Array
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
-from .facing import place_nodes
 from .frames import move_frames
+from .planes import place_nodes
 from .records.surfaces import Surfaces
 from .second_order import active_curvature
 from .surface_second import node_curvature, set_node_slopes

@@ -5,7 +5,8 @@ import math
 from ..compiler.marks import compiled
 from ..compiler.memory import copy
 from .events import end_contact
-from .facing import deformed, slip_row, support_of
+from .facing import slip_row, support_of
+from .planes import deformed
 from .records.surfaces import Surfaces
 from .surface_motion import add_up_modes
 from .system import Output, State, System, Workspace

@@ -10,8 +10,9 @@ xi: coordinates of the bodies of the island. Source: docs/theory.md, Contact of 
 
 from ..arrays import Array
 from ..compiler.marks import compiled
-from .facing import deformed, slip_row, support_of, target_axes, target_origin
+from .facing import slip_row, support_of
 from .frames import coordinate, pull_back, width
+from .planes import deformed, target_axes, target_origin
 from .records.surfaces import Surfaces
 from .second_order import subtract_slopes
 from .surface_motion import (

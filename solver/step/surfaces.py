@@ -17,8 +17,9 @@ import math
 from ..compiler.marks import compiled, entry
 from .complementarity import solve_closed, solve_complementarity
 from .cone import by_law, is_made, make_factors, solve_cone
-from .facing import face_slips, face_target, look_at_target, place_nodes, set_row_gaps, slip_row
+from .facing import face_slips, face_target, set_row_gaps, slip_row
 from .lu import substitute_lu
+from .planes import look_at_target, place_nodes
 from .records.surfaces import Surfaces
 from .surface_approach import closing_speed, elastic_way, find_near, length
 from .surface_motion import move_freely, set_base, set_displacements_by_load

@@ -31,15 +31,16 @@ from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.schema.tables import table_of
 from duhamel.solver.step.complementarity import solve_complementarity
 from duhamel.solver.step.facets import (
-    cut_at_rim,
     facet_functions,
     point_of_facet,
     shape_target,
     walk_to_foot,
 )
-from duhamel.solver.step.facing import look_at_target, set_row_gaps
+from duhamel.solver.step.facing import set_row_gaps
 from duhamel.solver.step.frames import move_frames
 from duhamel.solver.step.loop import is_contact_near
+from duhamel.solver.step.planes import look_at_target
+from duhamel.solver.step.rims import cut_at_rim
 from duhamel.solver.step.second_order import set_slopes
 from duhamel.solver.step.surfaces import measure_surfaces, press_surfaces
 from duhamel.superelement import Channels, Pattern

@@ -1,6 +1,5 @@
 """A model with measured frequencies and damping: a plate unlike the one that was tested."""
 
-
 import duhamel as du
 import numpy as np
 import pytest
