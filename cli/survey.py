@@ -120,6 +120,8 @@ def _surfaces(survey: Survey) -> Iterator[Row]:
     # The estimate is of short waves, of which a stiff body has none in its band.
     modes = max(round(cost.modes), int((survey.frequencies.values <= survey.band).sum()))
     yield "  compliance", f"{size}, beside about {modes} modes"
+    if cost.fields:
+        yield "  recovery", f"{cost.fields} values by forces, {cost.field_bytes / 1e6:.3g} MB"
     yield "to expect", f"about {cost.build.seconds:.2g} s and {cost.build.bytes / 1e9:.2g} GB"
 
 

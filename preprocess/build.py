@@ -187,7 +187,7 @@ def superelement_of(
     recovery = None
     if body.recovery is not None and responses.shapes is not None:
         with stages.stage("recovery"):
-            recovery = recover(body, source, structure, responses.shapes)
+            recovery = recover(body, source, structure, responses.shapes, responses.surface_fields)
     surfaces = _surfaces(structure, responses)
     rotation = None
     if second is not None:

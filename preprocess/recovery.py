@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..superelement import Recovery
+from ..superelement.recovery import SurfaceRest
 from ..superelement.validation import Array
 from .assembly.source import FieldPoints, Source
 from .assembly.structure import Structure
@@ -13,6 +14,7 @@ from .body.body import Body
 from .errors import MethodError
 from .responses.shapes import Shapes
 
+REST_ERROR = 1e-5  # of the static rest of fields in files, over its largest value
 POINTS_AT_ONCE = 2**10  # lest rows and strains of all of them take memory too
 
 
@@ -31,50 +33,48 @@ def check_recovery(body: Body, source: Source) -> None:
         )
 
 
-def recover(body: Body, source: Source, structure: Structure, shapes: Shapes) -> Recovery:
+def recover(
+    body: Body, source: Source, structure: Structure, shapes: Shapes, rest: Array | None = None
+) -> Recovery:
     """Modes at the points of lines or on the surface of solids, and stresses there if asked for.
 
         phi = T shapes,   stress = C strain(T shapes)
 
     Facets keep all their nodes and turn outwards. A node where materials meet is a point for each
     of them, with stresses of its own. `shapes` gives the mode shapes of what is linear in the dofs
-    of the structure.
+    of the structure. rest: that of the rows `Patches.fields`.
     """
     points = source.field_points(body.recovery is not None and body.recovery.stress)
     X = source.nodes.points[points.nodes] - structure.rigid.center
-    phi = _at_points(points, structure.T, shapes)
-    turns = None if structure.turns is None else _at_points(points, structure.turns, shapes)
-    stress = _stresses(points, structure, shapes)
-    return Recovery(X, points.cells, phi, stress, turns, points.labels)
+
+    def fields(rows: Callable[[Any, slice], Any], T: Any, k: int) -> Array:
+        def batch(part: slice) -> Array:
+            return shapes(rows(T, part)).reshape(part.stop - part.start, k, -1)
+
+        return _filled(points, batch)
+
+    phi = fields(points.displacement_rows, structure.T, 3)
+    stress = None
+    if points.strains is not None:
+        stress = fields(points.stress_rows, structure.T, 6)
+    turns = None
+    if structure.turns is not None:
+        turns = fields(points.displacement_rows, structure.turns, 3)
+    by_forces = None if rest is None else _rest_of_fields(rest, len(X))
+    return Recovery(X, points.cells, phi, stress, turns, points.labels, by_forces)
 
 
-def _at_points(points: FieldPoints, T: Any, shapes: Shapes) -> Array:
-    """Three dofs of the nodes of all points (p, 3, m), which are T (3 n, n_u) of the structure's.
-
-    Small rotations of nodes with six dofs, or displacements.
-    """
-
-    def batch(part: slice) -> Array:
-        dofs = (3 * points.nodes[part, None] + np.arange(3)).ravel()
-        return shapes(T[dofs]).reshape(part.stop - part.start, 3, -1)
-
-    return _filled(points, batch)
+def _rest_of_fields(rest: Array, n_points: int) -> SurfaceRest:
+    """The rest (k, 3 n) of displacements and stresses of all points, rounded for the file."""
+    u, stress = np.split(rest, [3 * n_points])
+    fields = (field.reshape(n_points, -1, rest.shape[1]) for field in (u, stress) if len(field))
+    return SurfaceRest(*map(_rounded, fields))
 
 
-def _stresses(points: FieldPoints, structure: Structure, shapes: Shapes) -> Array | None:
-    """sigma = C strain (p, 6, m) of every mode at every point; None without strains.
-
-    Order: `STRESSES`.
-    """
-    strains, C, owners = points.strains, points.C, points.owners
-    if strains is None or C is None or owners is None:
-        return None
-
-    def batch(part: slice) -> Array:
-        rows = strains[6 * part.start : 6 * part.stop] @ structure.T
-        return np.asarray(C[owners[part]] @ shapes(rows).reshape(part.stop - part.start, 6, -1))
-
-    return _filled(points, batch)
+def _rounded(field: Array) -> Array:
+    """Multiples of a power of two, the bits of which a file compresses to a quarter."""
+    unit = float(2.0 ** np.floor(np.log2(REST_ERROR * np.abs(field).max())))
+    return np.asarray(np.round(field / unit) * unit)
 
 
 def _filled(points: FieldPoints, batch: Callable[[slice], Array]) -> Array:

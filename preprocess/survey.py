@@ -53,9 +53,13 @@ class BuildCost:
 
 @dataclass(frozen=True)
 class SurfaceCost:
-    """What a build with surfaces takes: `columns` of compliance, about that many modes, and all."""
+    """What a build with surfaces takes: `columns` of compliance, about that many modes, and all.
+
+    fields: values at all points of the recovery.
+    """
 
     columns: int
+    fields: int
     modes: float
     build: Cost
 
@@ -63,6 +67,11 @@ class SurfaceCost:
     def compliance_bytes(self) -> float:
         """The memory of the compliance of all nodes of surfaces."""
         return 8.0 * self.columns**2
+
+    @property
+    def field_bytes(self) -> float:
+        """The memory of fields by forces on these nodes."""
+        return 8.0 * self.fields * self.columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +198,9 @@ def _surface_cost(structure: Structure, source: MeshSource, band: float) -> Surf
         for p, _ in source.boundary()
     )
     modes = 9.0 * volume / wave**3 + 0.75 * np.pi * area / wave**2
-    return SurfaceCost(columns, modes, surface_cost(structure.n_u, structure.K.nnz, columns, modes))
+    fields = 0 if structure.surfaces.fields is None else structure.surfaces.fields.shape[0]
+    build = surface_cost(structure.n_u, structure.K.nnz, columns, fields, modes)
+    return SurfaceCost(columns, fields, modes, build)
 
 
 def _cost(body: Body, structure: Structure) -> BuildCost | None:

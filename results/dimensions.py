@@ -38,6 +38,12 @@ DIMENSIONS = {
             "body_modes",
             ragged=True,
         ),
+        Dimension(
+            "surface_load",
+            "nodes of surfaces in contact, as BODY.NODE by the rows of the superelement",
+            "body_modes",
+            ragged=True,
+        ),
         Dimension("frame", "frames of bodies, as BODY.FRAME", "frames"),
         Dimension("joint", "joints and prescribed motions", "joints"),
         Dimension(

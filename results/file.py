@@ -583,6 +583,7 @@ def _create(file: h5py.File, quantity: Quantity, axes: Axes, rows: int) -> h5py.
         chunks=chunks(shape, rows),
         dtype=_type_of(quantity),
         fillvalue=None if quantity.integer else np.nan,
+        compression=1 if quantity.sparse else None,
     )
     dataset.attrs["long_name"] = quantity.description
     units = set(quantity.units(axes))

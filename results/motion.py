@@ -74,6 +74,15 @@ class BodyMotion(Recorded, group="bodies", owner="body", plot="{}"):
     )
     """(n, k) coordinate of each mode of a body whose surfaces are in contact, scaled to a length,
     eta / sqrt(mass) [m]; k = 0 where none was recorded"""
+    surface_load: Array = vector(
+        ("N", "N"),
+        "force of contacts on each node of the surfaces of a body in contact, in body axes",
+        of="surface_load",
+        sparse=True,
+        plot="",
+    )
+    """(n, k, 3) force of contacts on each node of the surfaces of a body in contact, in body axes
+    [N]; k = 0 where none was recorded"""
 
     @property
     def position(self) -> Array:

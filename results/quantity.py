@@ -49,6 +49,8 @@ class Quantity:
     derive: Callable[[Batch], Array] | None = None
     """or else the function that computes it"""
     integer: bool = False
+    sparse: bool = False
+    """whether most of its values are zero, so that files compress it"""
     since: int = 0
     """the version of files that has it first, where an owner had others before"""
     plot: str | None = None

@@ -146,13 +146,15 @@ def second_order_loads(omega: Array, force: Array, mass: float) -> Array:
 class RecordedModes:
     """Modal coordinates (n, m) of a body as a run recorded them; see `ModalSteps`.
 
-    h: steps [s], all the same or one after the other; of bodies with a chain all are recorded.
+    h: steps [s], all the same or one after the other; of bodies with a chain all are recorded;
+    loads (n, k): further coordinates, of which stresses depend in the same way.
     """
 
-    def __init__(self, modes: Modes, eta: Array, h: float | Array) -> None:
-        self._eta = self._stress = eta
+    def __init__(self, modes: Modes, eta: Array, h: float | Array, loads: Array) -> None:
+        self._eta = self._stress = np.hstack([eta, loads])
         if modes.chain is not None:
-            self._stress = np.array(list(_stretched(modes.chain, eta, h)))
+            stretched = np.array(list(_stretched(modes.chain, eta, h)))
+            self._stress = np.hstack([stretched, loads])
 
     @property
     def nbytes(self) -> int:

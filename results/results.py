@@ -87,7 +87,7 @@ class Results:
     ) -> None:
         self._source = source
         self._superelements = dict(superelements or {})
-        self._made_steps: dict[str, tuple[Superelement, ModalSteps | RecordedModes]] = {}
+        self._made_steps: dict[str, tuple[Superelement, Recovery, ModalSteps | RecordedModes]] = {}
         self._made_extremes: dict[tuple[str, str, int, int], Extremes] = {}
 
     @classmethod
@@ -505,15 +505,16 @@ class Results:
     def _modal_steps(self, body: str) -> tuple[Recovery, ModalSteps | RecordedModes]:
         """The recovery of a body, and its modal coordinates at all steps, which are kept.
 
-        They are made again where more was recorded since, or another superelement is given.
+        They are made again where more was recorded since, or another superelement is given. Forces
+        on surfaces are coordinates too.
         """
         element, recovery, of_element = self._checked_recovery(body)
         time = self.time
         made = self._made_steps.get(body)
-        if made is None or made[0] is not element or made[1].n != len(time):
-            made = element, self._stepped(body, element, of_element)
+        if made is None or made[0] is not element or made[2].n != len(time):
+            made = element, *self._stepped(body, element, recovery, of_element)
             if (
-                sum(steps.nbytes for _, steps in (made, *self._made_steps.values()))
+                sum(steps.nbytes for _, _, steps in (made, *self._made_steps.values()))
                 > MAX_KEPT_MODAL_BYTES
             ):
                 self._made_steps.clear()
@@ -521,7 +522,7 @@ class Results:
             self._made_extremes = {
                 key: found for key, found in self._made_extremes.items() if key[0] != body
             }
-        return recovery, made[1]
+        return made[1:]
 
     def field_extremes(self, body: str, name: str, rows: slice = ALL_ROWS) -> Extremes:
         """The extremes over recorded steps of the largest value of a field at any point of a body.
@@ -541,14 +542,21 @@ class Results:
         return self._made_extremes[key]
 
     def _stepped(
-        self, body: str, element: Superelement, modes: Modes
-    ) -> ModalSteps | RecordedModes:
-        """The modal coordinates of a body: recorded ones, where contacts load it."""
+        self, body: str, element: Superelement, recovery: Recovery, modes: Modes
+    ) -> tuple[Recovery, ModalSteps | RecordedModes]:
+        """The modal coordinates of a body: recorded ones, where contacts load it, with loads."""
         run = stepping(self._source.name, self.solver, self.time)
-        if body in self.pressed:
-            eta = self.body(body).modal_coordinate * np.sqrt(element.mass)
-            return RecordedModes(modes, eta, run.h)
-        return ModalSteps(*self._loads(body, element, modes), run)
+        if body not in self.pressed:
+            return recovery, ModalSteps(*self._loads(body, element, modes), run)
+        motion = self.body(body)
+        names = (name.rpartition(".") for name in self._names("surface_load"))
+        nodes = np.array([int(node) - 1 for owner, _, node in names if owner == body])
+        rows, loads = 3 * nodes[:, None] + np.arange(3), motion.surface_load
+        # Most nodes are never touched: their columns would only take memory.
+        touched = loads.any(axis=0)
+        recovery = recovery.with_loads(rows[touched])
+        eta = motion.modal_coordinate * np.sqrt(element.mass)
+        return recovery, RecordedModes(modes, eta, run.h, loads[:, touched])
 
     def _loads(self, body: str, element: Superelement, modes: Modes) -> tuple[Modes, Array]:
         """The loads that drove a body (n, n_dofs), and its modes with the rows that they act on."""
@@ -624,6 +632,11 @@ class Results:
                 f"body {body!r}: its surfaces are in contact: fields need the coordinates of its "
                 f"{expected} modes, found {found} in the results: expected a run with this "
                 "superelement and [output] modes = true"
+            )
+        if element.recovery is not None and element.recovery.rest is None:
+            raise RecoveryError(
+                f"body {body!r}: its surfaces are in contact, and superelement {element.name!r} "
+                "has no static fields of forces on them: preprocess it again"
             )
 
     def _names(self, dimension: str) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ from .measured import MeasuredModes
 from .modes import Modes
 from .outline import Outline
 from .pattern import Pattern
-from .recovery import Recovery
+from .recovery import Recovery, SurfaceRest
 from .rotation import N_INERTIA_CHANGES, Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
@@ -339,6 +339,11 @@ def _put_recovery(parent: h5py.Group, recovery: Recovery) -> None:
         put_large(parent, "phi_rotation", recovery.phi_rotation, "1/(sqrt(kg) m)", np.float32)
     if recovery.nodes is not None:
         put_large(parent, "node", recovery.nodes)
+    if recovery.rest is not None:
+        rest = parent.create_group("rest")
+        put_large(rest, "displacement", recovery.rest.displacement, "m/N", np.float32)
+        if recovery.rest.stress is not None:
+            put_large(rest, "stress", recovery.rest.stress, "Pa/N", np.float32)
 
 
 def _put_outline(file: h5py.File, outline: Outline, recovery: Recovery | None) -> None:
@@ -636,7 +641,16 @@ def _recovery(file: h5py.File) -> Recovery | None:
         turns = numbers(file, "recovery/phi_rotation", len(points), 3, phi.shape[2])
     nodes = dataset(file, "recovery/node", len(points)) if "recovery/node" in file else None
     cells = dataset(file, "recovery/cells", "n", "k")
-    return Recovery(points, cells, phi, stress, turns, nodes)
+    return Recovery(points, cells, phi, stress, turns, nodes, _surface_rest(file))
+
+
+def _surface_rest(file: h5py.File) -> SurfaceRest | None:
+    if "recovery/rest" not in file:
+        return None
+    u, stress = numbers(file, "recovery/rest/displacement", "p", 3, "3n"), None
+    if "recovery/rest/stress" in file:
+        stress = numbers(file, "recovery/rest/stress", len(u), 6, u.shape[2])
+    return SurfaceRest(u, stress)
 
 
 def _outline(file: h5py.File) -> Outline | None:

@@ -1,13 +1,48 @@
 """The surface of the mesh, with the displacements and stresses of modes there."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..files.arrays import Array, IntArray
 from .cells import checked_cells
-from .validation import SuperelementError, checked
+from .validation import SuperelementError, checked, checked_integers
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceRest:
+    """What forces f of contacts on nodes of surfaces add to the fields of modes.
+
+        u = phi eta + displacement f,      sigma = stress_modes eta + stress f
+
+    The static responses beyond those of the modes, by the rows of `Surfaces`.
+
+    Parameters
+    ----------
+    displacement : (p, 3, 3 n) [m/N]
+    stress : (p, 6, 3 n) [Pa/N], optional
+
+    Raises
+    ------
+    SuperelementError
+        For arrays that do not fit each other.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> SurfaceRest(displacement=np.ones((2, 3, 9))).displacement.shape
+    (2, 3, 9)
+    """
+
+    displacement: Array
+    stress: Array | None = None
+
+    def __post_init__(self) -> None:
+        u = checked("recovery: rest: displacement", self.displacement, ("p", 3, "3 n"))
+        object.__setattr__(self, "displacement", u)
+        if self.stress is not None:
+            stress = checked("recovery: rest: stress", self.stress, (len(u), 6, u.shape[2]))
+            object.__setattr__(self, "stress", stress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +63,8 @@ class Recovery:
         Small rotations of nodes of beams.
     nodes : (p,) of int, optional
         The number that the mesh file gives to the node of each point.
+    rest : SurfaceRest, optional
+        What forces on surfaces add.
 
     Raises
     ------
@@ -48,6 +85,7 @@ class Recovery:
     stress: Array | None = None
     phi_rotation: Array | None = None
     nodes: IntArray | None = None
+    rest: SurfaceRest | None = None
 
     def __post_init__(self) -> None:
         points = checked("recovery: points", self.points, ("p", 3))
@@ -63,7 +101,29 @@ class Recovery:
             turns = checked("recovery: phi_rotation", self.phi_rotation, shape)
             object.__setattr__(self, "phi_rotation", turns)
         if self.nodes is not None:
-            object.__setattr__(self, "nodes", _checked_nodes(self.nodes, len(points)))
+            nodes = checked_integers("recovery: nodes", self.nodes, (len(points),))
+            object.__setattr__(self, "nodes", nodes)
+        if self.rest is not None:
+            self._check_rest(self.rest)
+
+    def _check_rest(self, rest: SurfaceRest) -> None:
+        if len(rest.displacement) != len(self.points):
+            raise SuperelementError(
+                f"recovery: rest: expected {len(self.points)} points, found "
+                f"{len(rest.displacement)}"
+            )
+        if (rest.stress is None) != (self.stress is None):
+            raise SuperelementError("recovery: rest: expected stresses where the modes have some")
+
+    def with_loads(self, rows: IntArray) -> "Recovery":
+        """The same with forces on these rows of `Surfaces` as coordinates behind those of modes."""
+        if self.rest is None:
+            raise SuperelementError("recovery: no static rest of its surfaces")
+        phi = np.concatenate([self.phi, self.rest.displacement[..., rows]], axis=2)
+        stress = None
+        if self.stress is not None and self.rest.stress is not None:
+            stress = np.concatenate([self.stress, self.rest.stress[..., rows]], axis=2)
+        return replace(self, phi=phi, stress=stress, rest=None)
 
     def displacement(self, eta: Array) -> Array:
         """u = phi eta (..., p, 3) [m] in body axes, from modal coordinates (..., m)."""
@@ -116,17 +176,6 @@ def von_mises(stress: Array) -> Array:
     )
     equivalent: Array = np.sqrt(square)
     return equivalent
-
-
-def _checked_nodes(value: Any, n_points: int) -> IntArray:
-    nodes = np.array(value)
-    if nodes.shape != (n_points,) or not np.issubdtype(nodes.dtype, np.integer):
-        raise SuperelementError(
-            f"recovery: nodes: expected {n_points} integers, found {nodes.dtype} {nodes.shape}"
-        )
-    nodes = nodes.astype(np.int64)
-    nodes.flags.writeable = False
-    return nodes
 
 
 def _superpose(shapes: Array, eta: Array) -> Array:

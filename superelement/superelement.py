@@ -164,6 +164,7 @@ class Superelement:
                     f"recovery: phi: expected {n_modes} columns, one per mode, "
                     f"found {self.recovery.phi.shape[2]}"
                 )
+            self._check_rest(self.recovery)
         object.__setattr__(self, "J_rot", J_rot)
         object.__setattr__(self, "center", checked("center", self.center, (3,)))
         object.__setattr__(self, "interfaces", interfaces)
@@ -234,6 +235,16 @@ class Superelement:
         if both := [name for name in names if name in taken]:
             raise SuperelementError(
                 f"patterns, sensors: expected other names than those of interfaces, found {both[0]}"
+            )
+
+    def _check_rest(self, recovery: Recovery) -> None:
+        if recovery.rest is None:
+            return
+        found = recovery.rest.displacement.shape[2]
+        expected = 0 if self.surfaces is None else 3 * self.surfaces.n
+        if found != expected:
+            raise SuperelementError(
+                f"recovery: rest: expected {expected} columns, the dofs of surfaces, found {found}"
             )
 
     def _check_surfaces(self, surfaces: Surfaces) -> None:

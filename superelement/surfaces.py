@@ -1,14 +1,19 @@
 """Surfaces: facets of a superelement that other bodies may touch, and how their nodes respond."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..files.arrays import Array
 from .cells import IntArray
-from .validation import SuperelementError, check_name, check_positive, check_symmetric, checked
+from .validation import (
+    SuperelementError,
+    check_name,
+    check_positive,
+    check_symmetric,
+    checked,
+    checked_integers,
+)
 
 # Nodes and corners of each type of facet, by meshio's names: corners first, then middle nodes.
 FACET_NODES = {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
@@ -69,10 +74,10 @@ class Surface:
             )
         X = checked(f"{what}: X", self.X, ("n", 3))
         n, k = len(X), FACET_NODES[self.facet_type]
-        nodes = _integers(f"{what}: nodes", self.nodes, (n,))
+        nodes = checked_integers(f"{what}: nodes", self.nodes, (n,))
         if len(np.unique(nodes)) != n:
             raise SuperelementError(f"{what}: nodes: expected each node once, found one twice")
-        facets = _integers(f"{what}: facets", self.facets, (None, k))
+        facets = checked_integers(f"{what}: facets", self.facets, (None, k))
         # A node without a facet has neither area nor normal.
         used = np.unique(facets)
         if not np.array_equal(used, np.arange(n)):
@@ -198,19 +203,3 @@ class Surfaces:
         if name not in names:
             raise SuperelementError(f"no surface {name!r}; there are: {', '.join(names)}")
         return names.index(name)
-
-
-def _integers(name: str, value: Any, shape: Sequence[int | None]) -> IntArray:
-    """Read-only integers of a shape, in which None allows any length."""
-    found = np.array(value, order="C")
-    fits = len(found.shape) == len(shape) and all(
-        want in (None, have) for want, have in zip(shape, found.shape, strict=True)
-    )
-    if not fits or not np.issubdtype(found.dtype, np.integer):
-        wanted = ", ".join("n" if want is None else str(want) for want in shape)
-        raise SuperelementError(
-            f"{name}: expected integers of shape ({wanted}), found {found.dtype} {found.shape}"
-        )
-    found = found.astype(np.int64)
-    found.flags.writeable = False
-    return found

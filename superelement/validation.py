@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..files.arrays import Array as Array
+from ..files.arrays import IntArray
 
 # Relative to the scale of the diagonal; iterative solvers leave more than rounding.
 SYMMETRY_TOLERANCE = 1e-8
@@ -40,6 +41,22 @@ def checked(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         _require_bounds(name, array)
     array.flags.writeable = False
     return array
+
+
+def checked_integers(name: str, value: Any, shape: Sequence[int | None]) -> IntArray:
+    """Read-only integers of a shape, in which None allows any length."""
+    found = np.array(value, order="C")
+    fits = len(found.shape) == len(shape) and all(
+        want in (None, have) for want, have in zip(shape, found.shape, strict=True)
+    )
+    if not fits or not np.issubdtype(found.dtype, np.integer):
+        wanted = ", ".join("n" if want is None else str(want) for want in shape)
+        raise SuperelementError(
+            f"{name}: expected integers of shape ({wanted}), found {found.dtype} {found.shape}"
+        )
+    found = found.astype(np.int64)
+    found.flags.writeable = False
+    return found
 
 
 def _within_bounds(array: Array) -> bool:

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
+import numpy as np
+import scipy.sparse as sp
+
 from ...superelement.validation import Array
 from ..body.loads import LoadPattern
 from ..body.selection import Selection, SurfaceSelection
@@ -13,6 +16,8 @@ from ..mesh.facets import Facets, Patch
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .interfaces import Attachment
+
+ALL_POINTS = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +37,22 @@ class FieldPoints:
     C: Array | None = None
     owners: IntArray | None = None
     labels: IntArray | None = None
+
+    def displacement_rows(self, T: Any, part: slice = ALL_POINTS) -> Any:
+        """Three dofs (3 k, n_u), sparse, of the nodes of points, which are T (3 n, n_u)."""
+        return T[(3 * self.nodes[part, None] + np.arange(3)).ravel()]
+
+    def stress_rows(self, T: Any, part: slice = ALL_POINTS) -> Any:
+        """C strain (6 k, n_u), sparse, at points from displacements T (3 n, n_u) of the nodes.
+
+        Order: `STRESSES`. No rows without strains.
+        """
+        if self.strains is None or self.C is None or self.owners is None:
+            return T[:0]
+        C = self.C[self.owners[part]]
+        begin, end, _ = part.indices(len(self.nodes))
+        blocks = sp.bsr_array((C, np.arange(len(C)), np.arange(len(C) + 1)))
+        return (blocks @ (self.strains[6 * begin : 6 * end] @ T)).tocsr()
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ...superelement import Surface
 from ...superelement.validation import Array
@@ -24,10 +25,14 @@ MIN_NODES, MAX_NODES = 10, 1000
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """The surfaces of a body, and the displacements (3 n, n_u), sparse, of all their nodes."""
+    """The surfaces of a body, and the displacements (3 n, n_u), sparse, of all their nodes.
+
+    fields: displacements, then stresses if asked for, of all points of the recovery, sparse.
+    """
 
     surfaces: tuple[Surface, ...]
     rows: Any
+    fields: Any | None = None
 
 
 def selected_surfaces(
@@ -49,7 +54,11 @@ def selected_surfaces(
             raise InterfaceError(f"{source.name}: surfaces.{name}: {error}") from error
         surfaces.append(found)
     nodes = np.concatenate([found.nodes for found in surfaces])
-    return Patches(tuple(surfaces), T[node_dofs(nodes[:, None], 3).ravel()].tocsr())
+    fields = None
+    if body.recovery is not None:
+        points = source.field_points(body.recovery.stress)
+        fields = sp.vstack([points.displacement_rows(T), points.stress_rows(T)], format="csr")
+    return Patches(tuple(surfaces), T[node_dofs(nodes[:, None], 3).ravel()].tocsr(), fields)
 
 
 def _surface(name: str, points: Array, patch: Patch, center: Array) -> Surface:

@@ -36,6 +36,8 @@ class ImpulseResponses:
     """the error asked of the method; 0 where it is exact"""
     surface_compliance: Array | None = None
     """H (3 n, 3 n) of the nodes of surfaces, None where there are none"""
+    surface_fields: Array | None = None
+    """static rest of `Patches.fields` to forces on these nodes, None without them"""
 
 
 def require_memory(steps: int, n_c: int) -> None:
@@ -129,7 +131,9 @@ def _with_surfaces(structure: Structure, body: Body, stages: Stages) -> ImpulseR
     found = surface_responses(replace(request, band=band))
     modes = with_losses(body, structure, found.modes, found.shapes)
     kernel = sample_kernel(modes, wide.h, wide.scheme, impulse.steps, found.error, wide.limit)
-    return ImpulseResponses("lanczos", kernel, modes, found.shapes, impulse.tolerance, found.H)
+    return ImpulseResponses(
+        "lanczos", kernel, modes, found.shapes, impulse.tolerance, found.H, found.fields
+    )
 
 
 def _truncated(structure: Structure, body: Body, stages: Stages) -> ImpulseResponses:

@@ -1,5 +1,6 @@
 """The responses of bodies with surfaces: modes of a band, and the static rest of every node."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -24,12 +25,16 @@ MAX_COMPLIANCE_ASYMMETRY = 1e-8  # of the compliance, relative to its diagonal: 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceResponses:
-    """Modes with their shapes and error at the interfaces, and the compliance H of surfaces."""
+    """Modes with their shapes and error at the interfaces, and the compliance H of surfaces.
+
+    fields: the static rest of `Patches.fields`, beyond the modes, to forces on surfaces.
+    """
 
     modes: Modes
     shapes: Shapes
     error: float
     H: Array
+    fields: Array | None = None
 
 
 def surface_responses(request: Request) -> SurfaceResponses:
@@ -52,38 +57,44 @@ def surface_responses(request: Request) -> SurfaceResponses:
     chain = slow_chain(structure, solve)
     modes, shapes, error = modes_in(request, space, chain)
     modes, shapes = _ascending(modes, shapes)
-    return SurfaceResponses(modes, shapes, error, surface_compliance(structure, solve, watch))
+    H, fields = static_responses(structure, solve, modes, shapes, watch)
+    return SurfaceResponses(modes, shapes, error, H, fields)
 
 
 def require_compliance_room(structure: Structure) -> None:
     """`MemoryShortageError` where the compliance of the surfaces does not fit, or their file."""
     assert structure.surfaces is not None
-    rows = structure.surfaces.rows.shape[0]
+    patches = structure.surfaces
+    rows = patches.rows.shape[0]
     H, panels = 8.0 * rows**2, 4.0 * 8.0 * structure.n_u * min(rows, COLUMNS_AT_ONCE)
     needs = {f"the compliance of {rows // 3} nodes of surfaces": 2.0 * H + panels, "its file": H}
+    if patches.fields is not None:
+        # In single precision, rounded, and as the superelement has them.
+        needs["the fields of forces on them"] = 16.0 * rows * patches.fields.shape[0]
     require(needs, "fewer or smaller surfaces, or a coarser mesh there, would do")
 
 
-def surface_compliance(structure: Structure, solve: Solve, watch: Watch) -> Array:
-    """P_S P K^+ P^T P_S^T (3 n, 3 n) [m/N], symmetric; solve: f -> P K^+ f.
+def static_responses(
+    structure: Structure, solve: Solve, modes: Modes, shapes: Shapes, watch: Watch
+) -> tuple[Array, Array | None]:
+    """P_S P K^+ P^T P_S^T (3 n, 3 n) [m/N], symmetric, and the rest of fields P_F (k, 3 n).
 
+        H_FS - phi_F diag(1 / omega^2) phi_S^T
+
+    solve: f -> P K^+ f. The rest is in single precision, as files keep it, and None without fields.
     `MeshError` where rounding leaves an asymmetry of more than `MAX_COMPLIANCE_ASYMMETRY`.
     """
-    assert structure.surfaces is not None
-    rows = structure.surfaces.rows
-    n = rows.shape[0]
-    H, changes = np.empty((n, n)), True
-    for start in range(0, n, COLUMNS_AT_ONCE):
-        columns = slice(start, min(start + COLUMNS_AT_ONCE, n))
-        watch(f"static rest, {start} of {n} columns")
-        loads = structure.relieve(rows[columns].T.toarray())
-        u = solve(loads)
-        H[:, columns] = rows @ u
-        if changes:
-            correction = rows @ solve(loads - structure.K @ u)
-            H[:, columns] += correction
-            # What refinement does not change in the first columns, it need not refine in others.
-            changes = np.abs(correction).max() > MAX_UNREFINED * np.abs(H[:, columns]).max()
+    patches = structure.surfaces
+    assert patches is not None
+    n = patches.rows.shape[0]
+    H, wanted = np.empty((n, n)), patches.fields
+    if wanted is None:
+        wanted = patches.rows[:0]
+    fields = np.empty((wanted.shape[0], n), dtype=np.float32)
+    by_modes, phi = shapes(wanted) / modes.omega**2, shapes(patches.rows)
+    for columns, u in _static_solutions(structure, solve, watch):
+        H[:, columns] = patches.rows @ u
+        fields[:, columns] = wanted @ u - by_modes @ phi[columns].T
     scale = np.sqrt(H.diagonal())
     found = float((np.abs(H - H.T) / np.outer(scale, scale)).max())
     if not found <= MAX_COMPLIANCE_ASYMMETRY:
@@ -92,7 +103,28 @@ def surface_compliance(structure: Structure, solve: Solve, watch: Watch) -> Arra
             f"found differences of {found:.1e} of its diagonal: the body is far too slender for "
             "its mesh, or of materials of many orders of magnitude"
         )
-    return 0.5 * (H + H.T)
+    return 0.5 * (H + H.T), None if patches.fields is None else fields
+
+
+def _static_solutions(
+    structure: Structure, solve: Solve, watch: Watch
+) -> Iterator[tuple[slice, Array]]:
+    """Static displacements (n_u, k) by unit forces on nodes of surfaces, some at once."""
+    assert structure.surfaces is not None
+    rows, changes = structure.surfaces.rows, True
+    n = rows.shape[0]
+    for start in range(0, n, COLUMNS_AT_ONCE):
+        columns = slice(start, min(start + COLUMNS_AT_ONCE, n))
+        watch(f"static rest, {start} of {n} columns")
+        loads = structure.relieve(rows[columns].T.toarray())
+        u = solve(loads)
+        if changes:
+            correction = solve(loads - structure.K @ u)
+            u = u + correction
+            # What refinement does not change in the first columns, it need not refine in others.
+            change, size = np.abs(rows @ correction).max(), np.abs(rows @ u).max()
+            changes = change > MAX_UNREFINED * size
+        yield columns, u
 
 
 def _ascending(modes: Modes, shapes: Shapes) -> tuple[Modes, Shapes]:

@@ -111,19 +111,21 @@ def krylov_cost(
     )
 
 
-def surface_cost(n_u: int, nnz: int, columns: int, modes: float) -> Cost:
+def surface_cost(n_u: int, nnz: int, columns: int, fields: int, modes: float) -> Cost:
     """The cost of a build with surfaces of `columns` dofs and a number of modes in the band.
 
     A factor of K, a solution for each column and for each of `VECTORS_PER_MODE` vectors of a mode,
     and 4 n_u r^2 operations for r of these made orthogonal. Bytes are those of K and M, the factor,
-    the vectors, and the compliance, which is in memory three times with its file.
+    the vectors, the compliance, which is in memory three times with its file, and fields, twice.
     """
     vectors = VECTORS_PER_MODE * modes
     solutions = factor_cost(n_u, nnz, math.ceil(columns + vectors), 1)
     products = 4.0 * n_u * vectors**2 / PRODUCT_RATE
     return Cost(
         nnz / ASSEMBLY_RATE + solutions.seconds + products,
-        2.0 * ENTRY_BYTES * nnz + solutions.bytes + NUMBER_BYTES * (n_u * vectors + 3 * columns**2),
+        2.0 * ENTRY_BYTES * nnz
+        + solutions.bytes
+        + NUMBER_BYTES * (n_u * vectors + 3 * columns**2 + 2 * fields * columns),
     )
 
 

@@ -9,12 +9,13 @@ from ..step.records.surfaces import Surfaces
 
 
 def sizes_of_kept(surfaces: Surfaces, request: OutputRequest) -> Mapping[str, int]:
-    """The dimensions of results of all rows and nodes of contacts, and of modes of their bodies."""
+    """The dimensions of results of all rows and nodes of contacts, modes and loads."""
     nodes = np.diff(surfaces.patches.node)[surfaces.contacts.patch]
     return {
         "n_kept_rows": int(surfaces.contacts.row[-1]) * request.nodes,
         "n_kept_nodes": int(nodes.sum()) * request.nodes,
         "n_kept_modes": int(surfaces.bodies.recorded[-1]) * request.modes,
+        "n_kept_loads": int(surfaces.bodies.node[-1]) * request.modes,
     }
 
 

@@ -52,13 +52,7 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
     contacts = model.surface_contacts
     numbers = {name: b for b, name in enumerate(model.bodies)}
     owners = [name for name in model.flexible_bodies if name in model.bodies_with_pressed_surfaces]
-    # Body by body, for the compliance of a body has the nodes of all of its surfaces.
-    keys = [
-        key
-        for name in owners
-        for key in dict.fromkeys(key for contact in contacts for key in _keys(contact))
-        if key[0] == name
-    ]
+    keys = flexible_surfaces(model)
     patches = [
         Patch(
             f"{body}.{surface}",
@@ -91,6 +85,15 @@ def plan_surfaces(model: Model, frames: NumberedFrames) -> SurfaceLayout:
         # What is fixed in space has no coordinates.
         bodies.append(sorted((flexible | carriers) - {-1}))
     return SurfaceLayout(contacts, owners, patches, patch, target, frame, islands, bodies)
+
+
+def flexible_surfaces(model: Model) -> list[tuple[str, str, bool]]:
+    """Body, surface, and whether it is a smooth target, of the flexible surfaces in contact.
+
+    Body by body, for the compliance of a body has the nodes of all of its surfaces.
+    """
+    found = dict.fromkeys(key for contact in model.surface_contacts for key in _keys(contact))
+    return [key for name in model.flexible_bodies for key in found if key[0] == name]
 
 
 def _keys(contact: SurfaceContact) -> list[tuple[str, str, bool]]:

@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..couplings.coupling import GROUND
 from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
+from ..lower.surfaces import flexible_surfaces
 from ..model.model import Model
 from ..step.system import Output
 
@@ -76,7 +77,7 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
 
 
 def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
-    """The entries of contacts of surfaces, their rows, nodes of first surfaces, and modes."""
+    """The entries of contacts of surfaces, their rows, nodes of first surfaces, modes and loads."""
     rows: list[str] = []
     nodes: list[str] = []
     for contact in lowered.model.surface_contacts:
@@ -91,12 +92,19 @@ def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
         for e, n in zip(surfaces.flexible.tolist(), np.diff(surfaces.recorded), strict=True)
         for i in range(int(n))
     ]
+    loads = []
+    for body, name, _ in flexible_surfaces(lowered.model):
+        of_body = lowered.model.flexible_bodies[body].superelement.surfaces
+        assert of_body is not None
+        own = of_body.rows(name)
+        loads += [f"{body}.{row // 3 + 1}" for row in range(own.start, own.stop, 3)]
     return {
         "surface_contact": _axis(list(enumerate(names))),
         # False for each: gaps and displacements are lengths.
         "surface_row": _axis(list(enumerate(rows)), [False] * len(rows)),
         "surface_node": _axis(list(enumerate(nodes)), [False] * len(nodes)),
         "mode": _axis(list(enumerate(modes)), [False] * len(modes)),
+        "surface_load": _axis(list(enumerate(loads)), [False] * len(loads)),
     }
 
 

@@ -244,3 +244,6 @@ def _record_modes(system: System, state: State, work: Workspace, output: Output,
         for j in range(bodies.recorded[s + 1] - begin):
             eta = work.surfaces.source[first + j]
             output.body_modal_coordinate[k, begin + j] = eta / math.sqrt(mass)
+        for j in range(bodies.node[s], bodies.node[s + 1]):
+            for x in range(3):
+                output.body_surface_load[k, j, x] = state.surfaces.load[j, x]

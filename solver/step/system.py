@@ -147,6 +147,7 @@ DIMENSIONS_OF_RESULTS: dict[str, int | str] = {
     "surface_row": "n_kept_rows",
     "surface_node": "n_kept_nodes",
     "mode": "n_kept_modes",
+    "surface_load": "n_kept_loads",
 }
 """dimensions of results as dimensions of a step"""
 

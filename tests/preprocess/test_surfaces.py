@@ -57,6 +57,27 @@ def dense_compliance(structure):
     return (phi / squares[6:]) @ phi.T
 
 
+def test_static_fields_by_forces_on_surfaces_are_those_of_the_mesh(touched, tmp_path):
+    body = touched("hexahedron20", recovery={"stress": True})
+    structure, element = assemble(body), build(body)
+    surfaces, recovery, modes = element.surfaces, element.recovery, element.modes
+    rows = np.array([1, 5, 8, 3 * surfaces.n - 1])
+    force = np.array([2.0, -1.0, 0.5, 3.0])
+    load = np.zeros(3 * surfaces.n)
+    load[rows] = force
+    u = static_solver(structure)(structure.relieve(structure.surfaces.rows.T @ load))
+    expected = np.split(structure.surfaces.fields @ u, [recovery.phi[..., 0].size])
+    coordinates = np.append(load @ surfaces.phi / modes.omega**2, force)
+    write(element, tmp_path / "bar.h5")
+    for kept in (recovery, read(tmp_path / "bar.h5").recovery):
+        found = kept.with_loads(rows)
+        for field, own in zip(
+            (found.displacement(coordinates), found.stresses(coordinates)), expected, strict=True
+        ):
+            error = np.abs(field.ravel() - own).max() / np.abs(own).max()
+            assert error < 5e-5  # rounded for the file
+
+
 def test_surfaces_have_the_nodes_area_and_normals_of_their_facets(touched, kind):
     body = touched(kind)
     structure = assemble(body)

@@ -147,7 +147,7 @@ def test_results_are_not_changed_and_say_what_they_have(results):
     assert repr(disc) == (
         "<BodyMotion: x (181, 3), R (181, 4), v (181, 6), v_dot (181, 6), "
         "second_order_force (181, 0), "
-        "modal_coordinate (181, 0)>"
+        "modal_coordinate (181, 0), surface_load (181, 0)>"
     )
 
 

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from duhamel import solver
 from duhamel.cli.run_report import report
-from duhamel.preprocess import PlausibilityWarning
+from duhamel.preprocess import PlausibilityWarning, assemble
+from duhamel.preprocess.responses.static import static_solver
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.results import ExportError, RecoveryError, ResultsError, peaks, write_csv
 from duhamel.results.exports.loads import load_set
 from duhamel.solver import ModelError, OutputRequest, ValidityWarning
@@ -241,11 +243,16 @@ def test_an_unknown_surface_lists_those_of_the_body(element):
 
 
 @pytest.fixture(scope="module")
-def recovered():
+def part():
     """A dome with stresses and the interface `back` at its upper end."""
     part = dome(2e-4, 3, 3, 5e-4)
     part.interface("back", du.plane(z=0.008))
     part.recover(stress=True)
+    return part
+
+
+@pytest.fixture(scope="module")
+def recovered(part):
     with pytest.warns(PlausibilityWarning, match="nodes in the shortest wave"):
         return part.superelement(step=STEP, band=4e5)
 
@@ -274,11 +281,39 @@ def test_modes_of_a_run_have_the_motion_of_interfaces_and_fields(recovered, ever
         eta @ recovered.modes.phi[:6].T, u, rtol=1e-9, atol=1e-12 * np.abs(u).max()
     )
     t = results.time[[1, -1]]
-    stress = von_mises(np.einsum("pcm,tm->tpc", recovered.recovery.stress, eta))
+    stress = np.einsum("pcm,tm->tpc", recovered.recovery.stress, eta)
+    rest, force = recovered.recovery.rest, results.body("dome").surface_load
+    stress += np.einsum("pcf,tf->tpc", rest.stress, force.reshape(len(eta), -1))
+    stress = von_mises(stress)
     np.testing.assert_allclose(results.von_mises("dome", t), stress[[1, -1]], rtol=1e-9)
     assert results.outline_source("dome") == "recovery"
     largest = results.field_extremes("dome", "von_mises")
     assert largest.largest == pytest.approx(stress.max())
+
+
+def test_stresses_under_a_contact_are_those_of_the_mesh(part, recovered):
+    """A dome at rest on the ground: the mesh alone, with the same forces, is bent as it is."""
+    m = drop(recovered, height=0.0, speed=0.0, gravity=1e5)
+    record = OutputRequest(nodes=True, modes=True)
+    results = m.simulate(2 * STEP, STEP, start="equilibrium", record=record).results
+    body = part.body(step=STEP, band=4e5)
+    structure = assemble(body)
+    surface, force = recovered.surface("dome"), results.body("dome").surface_load[-1]
+    assert force[:, 2].sum() == pytest.approx(1e5 * recovered.mass, rel=1e-6)
+    # Gravity accelerates all of it alike, as the forces of the contact do.
+    u = static_solver(structure)(structure.relieve(structure.surfaces.rows.T @ force.ravel()))
+    points = read_source(body).field_points(True)
+    expected = (points.stress_rows(structure.T) @ u).reshape(-1, 6)
+    found = results.stress("dome", results.time[-1])
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
+    modes = results.body("dome").modal_coordinate[-1] * np.sqrt(recovered.mass)
+    error = np.abs(recovered.recovery.stresses(modes) - expected).max()
+    assert error > 0.3 * np.abs(expected).max()  # which modes alone do not have
+    # The nodes of the surface are points of the recovery.
+    apart = np.linalg.norm(recovered.recovery.points[:, None] - surface.X, axis=2)
+    moved = results.displacement("dome", results.time[-1])[apart.argmin(axis=0)]
+    of_run = results.contact("floor").displacement[-1]
+    np.testing.assert_allclose(moved, of_run, rtol=0.0, atol=1e-5 * np.abs(of_run).max())
 
 
 def test_energy_of_rows_that_close_and_open_is_counted(element):

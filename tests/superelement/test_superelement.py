@@ -94,7 +94,10 @@ def test_frequencies_are_in_hertz():
             {"cells": [0, 1]},
             r"recovery: cells: expected integers of shape \(n, k\), found int64 \(2,\)",
         ),
-        ({"nodes": [1, 2]}, r"recovery: nodes: expected 4 integers, found int64 \(2,\)"),
+        (
+            {"nodes": [1, 2]},
+            r"recovery: nodes: expected integers of shape \(4\), found int64 \(2,\)",
+        ),
     ],
 )
 def test_a_surface_that_contradicts_itself_is_refused(change, message):
