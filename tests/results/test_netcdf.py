@@ -33,6 +33,7 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "body": 2,
             "second_order_coordinate": 3,
             "mode": 5,
+            "surface_load": 4,
             "frame": 2,
             "joint": 3,
             "joint_constraint": 5,
