@@ -33,6 +33,10 @@ FieldName = Annotated[
         help="What colors show: stresses where they are known, else displacements.",
     ),
 ]
+Limit = Annotated[
+    float | None,
+    typer.Option(metavar="VALUE", help="Where colors end; the largest value unless given."),
+]
 Magnify = Annotated[
     float | None, typer.Option(metavar="FACTOR", help="Of deformations; chosen unless given.")
 ]
@@ -75,6 +79,7 @@ def animate(
     results_file: ResultsFile,
     output: FilmFile = None,
     field: FieldName = None,
+    limit: Limit = None,
     magnify: Magnify = None,
     start: FromTime = None,
     end: ToTime = None,
@@ -108,6 +113,7 @@ def animate(
                 run,
                 target,
                 field=field,
+                limit=limit,
                 magnify=magnify,
                 start=start,
                 end=end,
@@ -153,5 +159,6 @@ def told(film: "Film") -> str:
         words.append(f"deformation x {film.magnification:g}")
     if film.field:
         which = "this time" if film.frames == 1 else "all frames"
-        words.append(f"colors up to {film.scale_end}, the largest of {which}")
+        end = "a given limit" if film.limit < film.largest else f"the largest of {which}"
+        words.append(f"colors up to {film.scale_end}, {end}")
     return ", ".join(words)

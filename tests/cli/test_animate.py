@@ -36,10 +36,11 @@ def test_the_film_stands_beside_the_results(runner, results_file):
 
 
 def test_the_end_of_the_scale_is_told_with_what_it_is_the_largest_of():
-    many = Film(3, 0.1, 1.0, "von_mises", 3.494e6)
+    many = Film(3, 0.1, 1.0, "von_mises", 3.494e6, 3.494e6)
     assert told(many).endswith("colors up to 3.49 MPa, the largest of all frames")
     assert told(replace(many, frames=1)).endswith("3.49 MPa, the largest of this time")
     assert "colors" not in told(replace(many, field=""))
+    assert told(replace(many, limit=2e6)).endswith("colors up to 2.00 MPa, a given limit")
 
 
 def test_at_a_time_it_is_a_picture(runner, results_file):

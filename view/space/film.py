@@ -48,7 +48,9 @@ class Film:
     field : str
         That colors show, "" for none.
     largest : float
-        The end of their scale, in the unit of the field.
+        Of all frames, in the unit of the field.
+    limit : float
+        The end of their scale: the largest value, unless given.
     warnings : tuple of str
         What is missing, a line each.
     """
@@ -58,12 +60,13 @@ class Film:
     magnification: float
     field: str
     largest: float
+    limit: float
     warnings: tuple[str, ...] = ()
 
     @property
     def scale_end(self) -> str:
         """The end of the scale of colors with its unit; "" without colors."""
-        return scale_of(self.field, self.largest).text(3) if self.field else ""
+        return scale_of(self.field, self.limit).text(3) if self.field else ""
 
 
 def animate(
@@ -71,6 +74,7 @@ def animate(
     path: str | os.PathLike[str],
     *,
     field: str | None = None,
+    limit: float | None = None,
     magnify: float | None = None,
     start: float | None = None,
     end: float | None = None,
@@ -93,6 +97,8 @@ def animate(
         The suffix says what is made; frame-%04d.png makes a picture of each frame.
     field : {"displacement", "velocity", "von_mises", "pressure", "none"}, optional
         By default stresses where all flexible bodies know them, else displacements.
+    limit : float, optional
+        Where colors end, in the SI unit of the field; by default the largest value of all frames.
     magnify : float, optional
         Of deformation; by default so that it is seen.
     start, end : float [s], optional
@@ -133,13 +139,15 @@ def animate(
     require_size(size)
     if magnify is not None and not (np.isfinite(magnify) and magnify >= 0.0):
         raise PictureError(f"--magnify: expected a number from 0 on, found {magnify:g}")
+    if limit is not None and not (np.isfinite(limit) and limit > 0.0):
+        raise PictureError(f"--limit: expected a positive number, found {limit:g}")
     when = timing(results.time, start, end, frames, fps, seconds)
     if at is not None:
         first, last = (-np.inf if start is None else start), (np.inf if end is None else end)
         when = Timing(np.array([the_time(results, at, field, (first, last))]), fps)
     require_format(path, size, several=at is None)
     pyvista()
-    stage = Stage(results, when.times, field, magnify, marks)
+    stage = Stage(results, when.times, field, magnify, marks, limit)
     return _shoot(stage, when, path, size, _camera_axes(results, stage, view), title, on_frame)
 
 
@@ -164,7 +172,9 @@ def _shoot(
             if on_frame is not None:
                 on_frame(done, number)
     told = *(f"drawn without colors: {why}" for why in stage.untold.values()), *stage.remarks
-    return Film(number, number / when.fps, stage.magnification, stage.field, stage.largest, told)
+    seconds = number / when.fps
+    field, ends = stage.field, (stage.largest, stage.limit)
+    return Film(number, seconds, stage.magnification, field, *ends, told)
 
 
 def painted(stage: Stage, studio: Studio) -> Iterator[tuple[Image, float]]:
@@ -192,8 +202,11 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
         notes.append(f"deformation × {stage.magnification:g}")
     if stage.remarks:
         notes.append("elastic motion between interfaces unknown")
-    scale = scale_of(stage.field, stage.largest) if stage.field else None
+    scale = scale_of(stage.field, stage.limit) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
+    ends = f"up to the\nlargest value\n{ends}"
+    if stage.field and stage.largest > stage.limit:
+        ends = f"largest value\n{scale_of(stage.field, stage.largest).text(3)}"
     return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
 
 

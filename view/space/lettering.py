@@ -37,8 +37,8 @@ FIGURE_DPI = 100.0
 class Lettering:
     """title: above; notes: below; legend: words with their colors, below on the right.
 
-    scale: of colors, if there is one; ends: of which frames its largest value is the largest; axes
-    (3, 3): of the camera.
+    scale: of colors, if there is one; ends: what is written below it; axes (3, 3): of the
+    camera.
     """
 
     title: str = ""
@@ -159,7 +159,7 @@ def _draw_scale(figure: Figure, frame: Frame, scale: Scale, ends: str, points: f
     figure.text(
         1.0 - (SCALE_ROOM - 34.0) * e / width,
         0.14,
-        f"up to the\nlargest value\n{ends}",
+        ends,
         color="0.35",
         fontsize=0.8 * NOTE_LETTER * points,
         va="top",

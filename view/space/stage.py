@@ -53,7 +53,7 @@ class Stage:
 
     field: one of `FIELD_WORDS`, "none", or None for the choice: stresses where all flexible bodies
     know them, else displacements where one is flexible. magnify: of deformation, None for the
-    choice.
+    choice. limit: where colors end, None for the largest value.
     """
 
     def __init__(
@@ -63,8 +63,10 @@ class Stage:
         field: str | None = None,
         magnify: float | None = None,
         marks: bool = True,
+        limit: float | None = None,
     ) -> None:
         self.times = times
+        self._limit = limit
         tracks = Tracks(results, times)
         self.bodies = bodies_on_stage(results, tracks)
         if not self.bodies:
@@ -100,6 +102,11 @@ class Stage:
             if values is not None
         )
         return max(found, default=0.0)
+
+    @property
+    def limit(self) -> float:
+        """The end of the scale of colors."""
+        return self.largest if self._limit is None else self._limit
 
     @property
     def legend(self) -> tuple[tuple[str, str], ...]:

@@ -148,7 +148,7 @@ class _BodyFigure:
             "show_scalar_bar": False,
         }
         if self._colored:
-            style |= {"scalars": "value", "cmap": COLOR_MAP, "clim": (0.0, stage.largest or 1.0)}
+            style |= {"scalars": "value", "cmap": COLOR_MAP, "clim": (0.0, stage.limit or 1.0)}
         self._mesh, self._lines, self._rods = None, None, None
         if self._surface is not None:
             self._mesh = _mesh(body.X[self._surface.copies], triangles=self._surface.triangles)

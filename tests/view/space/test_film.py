@@ -47,6 +47,16 @@ def test_one_picture_is_of_one_time(tmp_path):
     assert np.asarray(Image.open(tmp_path / "one.png")).shape == (90, 160, 3)
 
 
+def test_colors_end_at_a_given_limit(tmp_path):
+    """Half the bar is beyond half the largest value, in the last color."""
+    film = animate(Pendulum(), tmp_path / "one.png", at=0.5, size=TINY, limit=0.25e-3)
+    assert (film.limit, film.scale_end) == (0.25e-3, "250 µm")
+    assert film.largest == pytest.approx(0.5e-3)
+    with pytest.raises(PictureError, match="--limit: expected a positive number, found -1"):
+        animate(Pendulum(), tmp_path / "two.png", at=0.5, size=TINY, limit=-1.0)
+    assert not (tmp_path / "two.png").exists()
+
+
 def test_the_worst_time_is_that_of_the_largest_value():
     assert films.the_time(Pendulum(), "worst", "displacement") == TIME[-1]
 
