@@ -13,12 +13,16 @@ from ..compiler.marks import compiled
 from .records.surfaces import Facets, SurfaceWork
 from .vectors import Vector, add, cross, dot, row, scale, subtract
 
+BLOCK = 16
+"""facets with a box around all of them; mostly they are beside one another in a mesh"""
 MAX_ITERATIONS = 20
 """iterations of the projection on a facet, of which some five are needed"""
 MAX_WALK = 10
 """facets over which the foot of a point may move from that of the center of its facet"""
 NEGLIGIBLE_STEP = 1e-13
 """change of reference coordinates that counts as none"""
+ROUGH_STEP = 1e-2
+"""likewise, where facets are compared by their distances, whose errors are of its square"""
 ON_EDGE = 1e-9
 """distance to an edge, in reference coordinates, that counts as on it"""
 INSIDE, RIM = -2, -1
@@ -131,6 +135,13 @@ def shape_target(facets: Facets, p: int, place: Array, work: SurfaceWork) -> Non
             for x in range(3):
                 work.corner_normal[f, i, x] = mean[x]
         _shape_facet(facets, p, f, place, work)
+    for start in range(facets.range[p], facets.range[p + 1], BLOCK):
+        for x in range(3):
+            low, high = math.inf, -math.inf
+            for f in range(start, min(start + BLOCK, facets.range[p + 1])):
+                low = min(low, work.facet_low[f, x])
+                high = max(high, work.facet_high[f, x])
+            work.block_low[start, x], work.block_high[start, x] = low, high
 
 
 @compiled
@@ -157,33 +168,74 @@ def _shape_facet(facets: Facets, p: int, f: int, place: Array, work: SurfaceWork
             place = work.facet_place[f, node, x]
             work.facet_low[f, x] = min(work.facet_low[f, x], place)
             work.facet_high[f, x] = max(work.facet_high[f, x], place)
+    _box_along_facet(f, n_nodes, work)
+
+
+@compiled
+def _box_along_facet(f: int, n_nodes: int, work: SurfaceWork) -> None:
+    """The axes of facet f, and its nodes along these from the first one."""
+    first, n = row(work.facet_place[f], 0), row(work.facet_normal, f)
+    a = subtract(row(work.facet_place[f], 1), first)
+    b = cross(n, a)
+    axes = _unit(a), _unit(b), _unit(cross(a, b))
+    for i in range(3):
+        work.facet_from[f, i] = work.facet_to[f, i] = 0.0
+        for x in range(3):
+            work.facet_axes[f, i, x] = axes[i][x]
+        for node in range(1, n_nodes):
+            along = dot(axes[i], subtract(row(work.facet_place[f], node), first))
+            work.facet_from[f, i] = min(work.facet_from[f, i], along)
+            work.facet_to[f, i] = max(work.facet_to[f, i], along)
+
+
+@compiled
+def _unit(v: Vector) -> Vector:
+    # Of a facet without area nothing can be told: its box is a point.
+    size = math.sqrt(dot(v, v))
+    return scale(1.0 / size, v) if size > 0.0 else v
 
 
 @compiled
 def seek_facet(
-    facets: Facets, p: int, x: Vector, normal: Vector, work: SurfaceWork
+    facets: Facets, p: int, x: Vector, normal: Vector, limit: float, work: SurfaceWork
 ) -> tuple[int, float]:
     """The facet of patch p nearest to x of those that face a normal, -1: none does.
 
-    And a bound of the distance of x from the patch. normal: that of the facet around x, of any
-    length.
+    And a bound of the distance of x from the patch, beyond a limit of which any facet will do.
+    normal: that of the facet around x, of any length.
     """
+    first, last = facets.range[p], facets.range[p + 1]
     nearest, best, bound = -1, math.inf, math.inf
-    for f in range(facets.range[p], facets.range[p + 1]):
-        square = _square_from_box(f, x, work)
-        bound = min(bound, square)
-        if square < best and _faces(f, normal, work):
-            nearest, best = f, square
-    if nearest < 0:
+    for start in range(first, last, BLOCK):
+        square = _square_from_box(work.block_low, work.block_high, start, x)
+        if square >= best:
+            bound = min(bound, square)
+            continue
+        for f in range(start, min(start + BLOCK, last)):
+            square = _square_from_box(work.facet_low, work.facet_high, f, x)
+            bound = min(bound, square)
+            if square < best and _faces(f, normal, work):
+                square = _square_from_cuboid(f, x, work)
+                if square < best:
+                    nearest, best = f, square
+    if nearest < 0 or bound > limit * limit:
         return nearest, math.sqrt(bound)
-    # The facet whose box is nearest leaves few whose boxes are nearer than it is itself.
-    first = nearest
-    best = _square_from_facet(facets, p, first, x, work)
-    for f in range(facets.range[p], facets.range[p + 1]):
-        if f != first and _square_from_box(f, x, work) < best and _faces(f, normal, work):
-            square = _square_from_facet(facets, p, f, x, work)
-            if square < best:
-                best, nearest = square, f
+    # The facet whose cuboid is nearest leaves few whose cuboids are nearer than it is itself.
+    begun = nearest
+    best = _square_from_facet(facets, p, begun, x, work)
+    for start in range(first, last, BLOCK):
+        if _square_from_box(work.block_low, work.block_high, start, x) >= best:
+            continue
+        for f in range(start, min(start + BLOCK, last)):
+            if (
+                f != begun
+                and _square_from_box(work.facet_low, work.facet_high, f, x) < best
+                and _square_from_cuboid(f, x, work) < best
+                and _faces(f, normal, work)
+            ):
+                square = _square_from_facet(facets, p, f, x, work)
+                if square < best:
+                    best, nearest = square, f
     return nearest, math.sqrt(bound)
 
 
@@ -195,19 +247,30 @@ def _faces(f: int, normal: Vector, work: SurfaceWork) -> bool:
 
 @compiled
 def _square_from_facet(facets: Facets, p: int, f: int, x: Vector, work: SurfaceWork) -> float:
-    a, b, _, _ = _project(facets, p, f, x, work)
+    a, b, _, _ = _project(facets, p, f, x, ROUGH_STEP, work)
     there, _, _ = point_of_facet(facets, p, f, a, b, work)
     apart = subtract(x, there)
     return dot(apart, apart)
 
 
 @compiled
-def _square_from_box(f: int, x: Vector, work: SurfaceWork) -> float:
-    """The squared distance of x from the box around the nodes of facet f."""
+def _square_from_box(low: Array, high: Array, f: int, x: Vector) -> float:
+    """The squared distance of x from box f."""
     total = 0.0
     for i in range(3):
-        apart = max(0.0, max(work.facet_low[f, i] - x[i], x[i] - work.facet_high[f, i]))
+        apart = max(0.0, max(low[f, i] - x[i], x[i] - high[f, i]))
         total += apart * apart
+    return total
+
+
+@compiled
+def _square_from_cuboid(f: int, x: Vector, work: SurfaceWork) -> float:
+    """The squared distance of x from the cuboid around facet f along its own axes."""
+    apart, total = subtract(x, row(work.facet_place[f], 0)), 0.0
+    for i in range(3):
+        along = dot(row(work.facet_axes[f], i), apart)
+        beyond = max(0.0, max(work.facet_from[f, i] - along, along - work.facet_to[f, i]))
+        total += beyond * beyond
     return total
 
 
@@ -223,7 +286,7 @@ def walk_to_foot(
     before = -1
     a = b = to_a = to_b = 0.0
     for _ in range(MAX_WALK):
-        a, b, to_a, to_b = _project(facets, p, f, x, work)
+        a, b, to_a, to_b = _project(facets, p, f, x, NEGLIGIBLE_STEP, work)
         beyond = _facet_beyond(facets, p, f, to_a, to_b)
         # Back over the same edge: from both of its facets the other one seems nearer, at a ridge.
         if beyond < 0 or beyond == before:
@@ -259,11 +322,11 @@ def _facet_beyond(facets: Facets, p: int, f: int, a: float, b: float) -> int:
 
 @compiled
 def _project(
-    facets: Facets, p: int, f: int, x: Vector, work: SurfaceWork
+    facets: Facets, p: int, f: int, x: Vector, negligible: float, work: SurfaceWork
 ) -> tuple[float, float, float, float]:
     """Reference coordinates of the point of facet f nearest to x, and without regard to its edges.
 
-    By Gauss's method with steps that end at the edges.
+    By Gauss's method with steps that end at the edges, until one is negligible.
     """
     triangular = is_triangle(facets.kind[p])
     a = b = 1.0 / 3.0 if triangular else 0.0
@@ -281,7 +344,7 @@ def _project(
         new_a, new_b = _clip(triangular, to_a, to_b, aa, ab, bb)
         change = max(abs(new_a - a), abs(new_b - b))
         a, b = new_a, new_b
-        if change < NEGLIGIBLE_STEP:
+        if change < negligible:
             break
     return a, b, to_a, to_b
 

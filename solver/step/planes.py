@@ -90,8 +90,9 @@ def look_at_target(system: System, c: int, margin: float, work: Workspace) -> No
         out.below[f] = out.is_far[f] = 0
         if t >= 0:
             center, radius = _sphere(surfaces, p, f, work)
-            out.below[f], distance = _seek(surfaces, c, f, center, work)
-            out.is_far[f] = int(distance > margin + FACETS_AROUND * radius)
+            limit = margin + FACETS_AROUND * radius
+            out.below[f], distance = _seek(surfaces, c, f, center, limit, work)
+            out.is_far[f] = int(distance > limit)
     find_far_facets(surfaces, c, margin, work)
     per = facets.points[p]
     for f in range(facets.range[p], facets.range[p + 1]):
@@ -130,14 +131,19 @@ def _sphere(surfaces: Surfaces, p: int, f: int, work: Workspace) -> tuple[Vector
 
 
 @compiled
-def _seek(surfaces: Surfaces, c: int, f: int, center: Vector, work: Workspace) -> tuple[int, float]:
-    """The facet of the target below the center of facet f, -1: none; a bound of its distance."""
+def _seek(
+    surfaces: Surfaces, c: int, f: int, center: Vector, limit: float, work: Workspace
+) -> tuple[int, float]:
+    """The facet of the target below the center of facet f, -1: none; a bound of its distance.
+
+    limit: that beyond which any facet will do.
+    """
     facets, out, p = surfaces.facets, work.surfaces, surfaces.contacts.patch[c]
     corners, last = facets.nodes[f], facets.corners[p] - 1
     # The normal of facet f itself, which the facets below it face.
     a = subtract(row(out.place, corners[1]), row(out.place, corners[0]))
     b = subtract(row(out.place, corners[last]), row(out.place, corners[0]))
-    return seek_facet(facets, surfaces.contacts.target[c], center, cross(a, b), out)
+    return seek_facet(facets, surfaces.contacts.target[c], center, cross(a, b), limit, out)
 
 
 @compiled

@@ -108,7 +108,8 @@ def test_stresses_of_recorded_modes_are_those_of_steps(h):
     loads = np.random.default_rng(0).standard_normal(101)
     made = list(stressed(modes, h, GeneralizedAlpha(0.9), loads[1:]))
     eta, stress = (np.array(parts) for parts in zip(*made, strict=True))
-    recorded = RecordedModes(modes, eta, h if np.ndim(h) == 0 else h[: len(eta) - 1])
+    steps_taken = h if np.ndim(h) == 0 else h[: len(eta) - 1]
+    recorded = RecordedModes(modes, eta, steps_taken, np.empty((len(eta), 0)))
     steps = np.arange(len(eta))
     np.testing.assert_array_equal(recorded.at(steps), eta)
     np.testing.assert_allclose(recorded.at(steps, stress=True), stress, rtol=1e-12, atol=1e-20)

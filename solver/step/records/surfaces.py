@@ -301,6 +301,16 @@ class SurfaceWork(Struct):
     """lower corners of boxes around them [m]"""
     facet_high: Array = array("n_facets", 3)
     """upper corners of these boxes [m]"""
+    facet_axes: Array = array("n_facets", 3, 3)
+    """axes of facets: along the first edge, across it, and the normal"""
+    facet_from: Array = array("n_facets", 3)
+    """least coordinates of their nodes along these, from the first node [m]"""
+    facet_to: Array = array("n_facets", 3)
+    """largest ones [m]"""
+    block_low: Array = array("n_facets", 3)
+    """lower corners of boxes around blocks of facets, at the first of each [m]"""
+    block_high: Array = array("n_facets", 3)
+    """upper corners of these boxes [m]"""
     N: Array = array(9)
     """shape functions of a facet"""
     dN: Array = array(2, 9)
