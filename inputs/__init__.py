@@ -5,7 +5,7 @@ from .json_schema import Also, Shown, document_of, member_of
 from .names import NAME_FORM as FORM_OF_NAMES
 from .names import is_name
 from .table import Table, Vector, expected, read_part, read_table, rule
-from .text import read_text, read_toml
+from .text import parse_toml, read_text, read_toml
 from .writing import toml_of
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "expected",
     "is_name",
     "member_of",
+    "parse_toml",
     "quoted",
     "read_part",
     "read_table",

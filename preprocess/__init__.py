@@ -1,7 +1,9 @@
 """Meshes to superelements."""
 
 from .assembly.structure import Structure
-from .body.body import Body, body_schema, read_body
+from .body.body import Body
+from .body.measured_body import MeasuredBody
+from .body.reading import body_schema, read_body
 from .body.writing import write_body
 from .build import assemble, build
 from .errors import (
@@ -25,6 +27,7 @@ __all__ = [
     "BodyError",
     "InterfaceError",
     "MatrixError",
+    "MeasuredBody",
     "MeasurementError",
     "MeshError",
     "MeshWarning",

@@ -17,7 +17,10 @@ from .assembly.second_order import SecondOrder, second_order
 from .assembly.source import Source
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
+from .body.measured_body import MeasuredBody
+from .body.reading import AnyBody
 from .errors import MemoryShortageError, MethodError
+from .measured.part import build_measured
 from .measured.update import read_test, updated, with_rigid, with_test
 from .outline import outline_of
 from .plausibility import doubts_of_frequencies, doubts_of_source, refused_where_singular
@@ -66,13 +69,15 @@ def assemble(body: Body) -> Structure:
 
 
 def build(
-    body: Body, progress: bool = False, on_warning: Warn = silent, told: Warn | None = None
+    body: AnyBody, progress: bool = False, on_warning: Warn = silent, told: Warn | None = None
 ) -> Superelement:
     """The superelement of a body: mesh, finite elements, interfaces, static and impulse responses.
 
+    Of a `MeasuredBody` from its test.
+
     Parameters
     ----------
-    body : Body
+    body : Body or MeasuredBody
     progress : bool
         Whether to show on the terminal what is being done and how far it is.
     on_warning : callable
@@ -105,6 +110,8 @@ def build(
         refused_where_singular(),
         shown_stages(progress, told or on_warning) as stages,
     ):
+        if isinstance(body, MeasuredBody):
+            return build_measured(body, stages)
         return _build(body, stages)
 
 

@@ -12,6 +12,8 @@ from ..superelement.validation import Array
 from .assembly.source import MeshSource, Source
 from .body.body import Body
 from .body.material import Material, Section
+from .body.measured_body import MeasuredBody
+from .body.reading import AnyBody
 from .errors import MethodError
 from .mesh.mesh import Mesh
 
@@ -44,7 +46,7 @@ def refused_where_singular() -> Iterator[None]:
         ) from error
 
 
-def doubts_of_body(body: Body) -> Iterator[str]:
+def doubts_of_body(body: AnyBody) -> Iterator[str]:
     """Doubts about materials, sections, damping and the rotation of matrices, each by its key.
 
     Parameters
@@ -65,6 +67,8 @@ def doubts_of_body(body: Body) -> Iterator[str]:
     >>> [doubt.split()[0] for doubt in doubts_of_body(cube.body(step=1e-4))]
     ['material.rho', 'material.E']
     """
+    if isinstance(body, MeasuredBody):
+        return  # which has neither materials nor sections
     if body.material is not None:
         yield from _of_material("material", body.material)
     for key, section in _sections(body):

@@ -113,6 +113,11 @@ class Part:
     def read(cls, path: str | os.PathLike[str]) -> Self:
         """The part of a body file; its step and its method count where `body` is given none."""
         body = preprocess.read_body(path)
+        if not isinstance(body, preprocess.Body):
+            raise preprocess.BodyError(
+                f"{path}: expected a mesh or matrices, found a test alone: use "
+                "preprocess.build(preprocess.read_body(path))"
+            )
         part = cls.__new__(cls)
         part.name = body.name
         part._table = {key: getattr(body, key) for key in body.model_fields_set}

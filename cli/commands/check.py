@@ -68,7 +68,8 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
         if body_file is None:
             body = preprocess.body_of(element, file.parent)
         else:
-            body = preprocess.read_body(body_file)
+            given = preprocess.read_body(body_file)
+            body = given if isinstance(given, preprocess.Body) else None
         if body is not None:
             # The only check that reads the mesh: a file that is consistent in itself may be of
             # another one.

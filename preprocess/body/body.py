@@ -1,6 +1,5 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -24,16 +23,13 @@ from ...inputs import (
     Also,
     Table,
     Vector,
-    document_of,
     expected,
     is_name,
     quoted,
-    read_table,
     rule,
 )
 from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
-from ..errors import BodyError
 from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
 from .loads import LoadPattern
@@ -76,7 +72,7 @@ else:
 MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
-def _as_matrix(value: Any) -> Any:
+def as_matrix(value: Any) -> Any:
     """Three principal values are a diagonal matrix."""
     if (
         isinstance(value, list | tuple)
@@ -95,7 +91,7 @@ class PointMass(Selection):
     """
 
     mass: NonNegativeFloat
-    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(_as_matrix), Also(Vector)] = (
+    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(as_matrix), Also(Vector)] = (
         (0.0,) * 3,
     ) * 3
     interface: str | None = None
@@ -516,49 +512,12 @@ class Body(Table):
         unchanged = self._text and self._as_read == self._values()
         return self._text if unchanged else self.model_dump_json(exclude_unset=True)
 
+    def keep(self, text: str) -> None:
+        """Keep the text that it was read from."""
+        self._text, self._as_read = text, self._values()
+
     def _values(self) -> dict[str, Any]:
         """All but the paths, which depend on the folder that the file is read from."""
         return self.model_dump(
             exclude={"mesh": True, "matrices": True, "measured": {"modes", "channels"}}
         )
-
-
-def body_schema() -> dict[str, Any]:
-    """The JSON schema of body files, by which editors complete and check them.
-
-    Examples
-    --------
-    >>> schema = body_schema()
-    >>> schema["title"], schema["required"]
-    ('A body file of Duhamel', ['name', 'impulse'])
-    """
-    return document_of(Body, "A body file of Duhamel")
-
-
-def read_body(path: str | os.PathLike[str]) -> Body:
-    """Read a body file, whose paths start from its folder.
-
-    Parameters
-    ----------
-    path : path
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    BodyError
-        Names the file, the key, what was found and what was expected.
-
-    Examples
-    --------
-    >>> read_body("no.toml")
-    Traceback (most recent call last):
-    duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
-    """
-    body, text = read_table(path, Body, BodyError)
-    # Paths in a file start from the file, not from the folder that the command runs in.
-    body = body.relative_to(Path(path).parent)
-    body._text, body._as_read = text, body._values()
-    return body

@@ -66,7 +66,7 @@ def read_channels(path: Path) -> ChannelTable:
         where = f"{path}: line {line}"
         if not is_name(label):
             raise MeasurementError(f"{where}: label: expected a name, found {quoted(label)}")
-        point = _numbers(where, row, ("x", "y", "z"))
+        point = numbers_of(where, row, ("x", "y", "z"))
         # One label at two places is a slip in one of them: the sensor stands at one.
         if not np.array_equal(places.setdefault(label, point), point):
             raise MeasurementError(
@@ -74,7 +74,7 @@ def read_channels(path: Path) -> ChannelTable:
                 f"{places[label].tolist()}"
             )
         points.append(point)
-        directions.append(_direction(where, row))
+        directions.append(direction_of(where, row))
     names = _names(labels, rows)
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -104,14 +104,14 @@ def _names(labels: list[str], rows: list[dict[str, str]]) -> list[str]:
     return names
 
 
-def _direction(where: str, row: dict[str, str]) -> Array:
+def direction_of(where: str, row: dict[str, str]) -> Array:
     axis = (row.get("axis") or "").strip()
     if axis:
         sign = -1.0 if axis.startswith("-") else 1.0
         if axis.lstrip("+-") not in AXIS_VECTORS:
             raise MeasurementError(f"{where}: axis: expected x, y or z, found {quoted(axis)}")
         return sign * np.array(AXIS_VECTORS[axis.lstrip("+-")])
-    direction = _numbers(where, row, DIRECTION_COLUMNS)
+    direction = numbers_of(where, row, DIRECTION_COLUMNS)
     length = float(np.linalg.norm(direction))
     if abs(length - 1.0) > MAX_UNIT_ERROR:
         raise MeasurementError(
@@ -122,7 +122,7 @@ def _direction(where: str, row: dict[str, str]) -> Array:
     return unit
 
 
-def _numbers(where: str, row: dict[str, str], keys: tuple[str, ...]) -> Array:
+def numbers_of(where: str, row: dict[str, str], keys: tuple[str, ...]) -> Array:
     try:
         values = np.array([float(row[key] or "") for key in keys])
     except ValueError:

@@ -5,6 +5,8 @@ from pathlib import Path
 from ..assembly.source import MeshSource, Source
 from ..body.body import Body
 from ..body.loss import relaxed, stiffenings
+from ..body.measured_body import MeasuredBody
+from ..body.reading import AnyBody
 from ..errors import BodyError
 from ..given.matrices import read_matrices
 from ..mesh.cells import LINE_CELLS
@@ -26,7 +28,7 @@ def read_source(body: Body) -> Source:
     return read_mesh_source(relaxed(body))
 
 
-def files_of(body: Body) -> tuple[Path, ...]:
+def files_of(body: AnyBody) -> tuple[Path, ...]:
     """All files that a body is read from, with those that they include.
 
     Parameters
@@ -53,6 +55,8 @@ def files_of(body: Body) -> tuple[Path, ...]:
     >>> files_of(part.body(step=1e-5))
     ()
     """
+    if isinstance(body, MeasuredBody):
+        return body.files
     measured = () if body.measured is None else body.measured.files
     if isinstance(body.mesh, Path):
         return (*mesh_files(body.mesh), *measured)

@@ -1,0 +1,153 @@
+"""The body file of a part that is known from a frequency response test alone."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, PrivateAttr
+
+from ...inputs import FORM_OF_NAMES, Also, Table, Vector, expected, is_name, quoted, rule
+from ...superelement import sha256
+from .body import Impulse, as_matrix
+
+FilePath = Annotated[Path, Field(strict=False)]
+Quantity = Literal["accelerance", "mobility", "receptance"]
+
+
+class RigidPart(Table):
+    """The mass [kg] of the part, its center [m] and its inertia about that [kg m^2].
+
+    In the axes of the channels; of the part alone, without what was mounted on it. inertia:
+    principal values along these axes, or a 3x3 matrix.
+    """
+
+    mass: PositiveFloat
+    center: Vector
+    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(as_matrix), Also(Vector)]
+
+    @rule
+    def _of_a_body(self) -> None:
+        J = np.array(self.inertia)
+        first, second, third = np.linalg.eigvalsh(0.5 * (J + J.T))
+        if not np.array_equal(J, J.T) or not first > 0.0 or first + second < third:
+            raise ValueError(
+                "inertia: expected three positive principal moments, none of them larger than the "
+                f"sum of the others, found {J.tolist()}"
+            )
+
+
+class FrequencyTest(Table):
+    """A test of a free part: its frequency responses, and where it was hit and measured.
+
+    frf: responses, by UFF58 (.uff, .unv), NumPy (.npz), HDF5 (.h5) or MATLAB (.mat); quantity: what
+    they are per force where the file does not say. channels and hits: tables (.csv) of places and
+    directions [m]. band [Hz]: the lines that are used. window [1/s]: the rate of an exponential
+    window on force and response. sensor_mass [kg]: of each sensor, all of which stayed mounted; it
+    is taken away. accept: the largest misfit of the fit.
+    """
+
+    frf: FilePath
+    quantity: Quantity | None = None
+    channels: FilePath
+    hits: FilePath
+    band: Annotated[tuple[PositiveFloat, PositiveFloat], expected("two frequencies [Hz]")]
+    window: NonNegativeFloat = 0.0
+    sensor_mass: NonNegativeFloat = 0.0
+    accept: Annotated[float, Field(gt=0.0, le=1.0), expected("a number above 0 and up to 1")] = 0.3
+    rigid: RigidPart
+
+    @rule
+    def _upwards(self) -> None:
+        if not self.band[0] < self.band[1]:
+            raise ValueError(f"band: expected the lower frequency first, found {list(self.band)}")
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return self.frf, self.channels, self.hits
+
+    def relative_to(self, folder: Path) -> "FrequencyTest":
+        paths = {key: folder / getattr(self, key) for key in ("frf", "channels", "hits")}
+        return self.model_copy(update=paths)
+
+
+class VirtualPoint(Table):
+    """An interface at a place, which moves as the channels around it say and is loaded by hits.
+
+    channels and hits: their labels. rotations: whether it turns too, for which it takes channels at
+    three places and hits that turn it about all axes.
+    """
+
+    at: Vector
+    channels: Annotated[tuple[str, ...], Field(min_length=1)]
+    hits: Annotated[tuple[str, ...], Field(min_length=1)]
+    rotations: bool = True
+
+
+class MeasuredBody(Table):
+    """A body file without a mesh: a frequency response test, interfaces, and impulse responses.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A ValueError that names each key, what was expected and what was found.
+
+    Examples
+    --------
+    >>> MeasuredBody(name="bracket", measured={}, interfaces={}, impulse={})
+    Traceback (most recent call last):
+    pydantic_core._pydantic_core.ValidationError: 8 validation errors for MeasuredBody
+    ...
+    """
+
+    name: str
+    measured: FrequencyTest
+    interfaces: Annotated[dict[str, VirtualPoint], Field(min_length=1)]
+    impulse: Impulse
+    _text: str = PrivateAttr(default="")
+
+    @rule
+    def _own_names(self) -> None:
+        for name in self.interfaces:
+            if not is_name(name):
+                raise ValueError(
+                    f"interfaces: expected a name of {FORM_OF_NAMES}, found {quoted(name)}"
+                )
+
+    @rule
+    def _modes_of_the_test(self) -> None:
+        if others := sorted(self.impulse.model_fields_set - {"step", "steps", "rho_inf"}):
+            raise ValueError(
+                f"impulse: expected step, steps and rho_inf, for modes and band are those of the "
+                f"test, found {', '.join(others)}"
+            )
+
+    @rule
+    def _each_once(self) -> None:
+        for key in ("channels", "hits"):
+            labels = [x for point in self.interfaces.values() for x in getattr(point, key)]
+            if twice := next((x for x in labels if labels.count(x) > 1), None):
+                raise ValueError(
+                    f"interfaces: expected each of {key} at one of them, found "
+                    f"{quoted(twice)} twice"
+                )
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return self.measured.files
+
+    @property
+    def digests(self) -> str:
+        return ", ".join(map(sha256, self.files))
+
+    @property
+    def text(self) -> str:
+        """The body file as read, or its values in JSON."""
+        return self._text or self.model_dump_json(exclude_unset=True)
+
+    def keep(self, text: str) -> None:
+        """Keep the text that it was read from."""
+        self._text = text
+
+    def relative_to(self, folder: Path) -> "MeasuredBody":
+        """A copy whose relative paths start from a folder."""
+        return self.model_copy(update={"measured": self.measured.relative_to(folder)})

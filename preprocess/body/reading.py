@@ -1,0 +1,61 @@
+"""Body files, of a mesh or matrices, or of a test alone."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from ...inputs import InputError, document_of, parse_toml, read_part, read_text
+from ..errors import BodyError
+from .body import Body
+from .measured_body import MeasuredBody
+
+AnyBody = Body | MeasuredBody
+
+
+def body_schema() -> dict[str, Any]:
+    """The JSON schema of body files, by which editors complete and check them.
+
+    Examples
+    --------
+    >>> schema = body_schema()
+    >>> schema["title"], schema["required"]
+    ('A body file of Duhamel', ['name', 'impulse'])
+    """
+    return document_of(Body, "A body file of Duhamel")
+
+
+def read_body(path: str | os.PathLike[str]) -> AnyBody:
+    """Read a body file, whose paths start from its folder.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Body or MeasuredBody
+        The latter of a file whose [measured] has responses, `frf`, in place of a mesh.
+
+    Raises
+    ------
+    BodyError
+        Names the file, the key, what was found and what was expected.
+
+    Examples
+    --------
+    >>> read_body("no.toml")
+    Traceback (most recent call last):
+    duhamel.preprocess.errors.BodyError: no.toml: not a readable file: No such file or directory
+    """
+    text = read_text(path, BodyError)
+    try:
+        table = parse_toml(text)
+        measured = table.get("measured")
+        of_test = isinstance(measured, dict) and "frf" in measured
+        read: AnyBody = read_part(table, MeasuredBody) if of_test else read_part(table, Body)
+    except InputError as error:
+        raise BodyError(f"{path}: {error}") from error
+    # Paths in a file start from the file, not from the folder that the command runs in.
+    body = read.relative_to(Path(path).parent)
+    body.keep(text)
+    return body

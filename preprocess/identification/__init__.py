@@ -1,0 +1,1 @@
+"""Modes of a part from its measured frequency responses, passive and reciprocal by construction."""

@@ -1,0 +1,96 @@
+"""Modes of a part from its responses: poles, shapes, rest, refinement, and what is missing."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...superelement.validation import Array
+from .poles import stable_poles
+from .refinement import refined
+from .responses import REST_DAMPING, Fit, Measurement, resonances
+from .shapes import Shape, passive_rest, residues, shape_of
+
+REST = 1.06, 1.6
+"""frequencies of what stands for modes beyond the band, over the highest one: one of them alone
+makes three times the error in its upper half"""
+LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
+"""of a residue that is a mode: those of spurious poles have defects of 0.94 to 1, or the wrong
+sign"""
+FURTHER_MODES, LEAST_GAIN = 5, 0.03
+"""how many modes are added where the misfit is largest, and what each of them must take off it"""
+ENOUGH = 1e-3
+"""misfit below which nothing is missing: no test is as exact"""
+SMOOTHED = 5
+"""lines over which the misfit is averaged to see where it is largest"""
+STARTING_DAMPING = 0.008
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """A fit, and what was found on the way.
+
+    dropped (n, 2): frequencies [Hz] and damping of poles that no mode has; added (n,): frequencies
+    [Hz] at which modes were missing; defects, signs (m,): of the residues of the modes; negative:
+    the part of each rest that was not passive.
+    """
+
+    fit: Fit
+    dropped: Array
+    added: Array
+    defects: Array
+    signs: Array
+    negative: Array
+
+
+def identify(measured: Measurement, poles: Array | None = None) -> Identification:
+    """The modes of a part; poles (p, 2): circular frequencies and damping, sought unless given.
+
+    A mode is added where the misfit is largest, as long as it takes off some of it.
+    """
+    found = _with_poles(measured, stable_poles(measured) if poles is None else poles)
+    added: list[float] = []
+    while len(added) < FURTHER_MODES and found.fit.misfit > ENOUGH:
+        squares = (found.fit.misfits(measured) ** 2).mean(axis=(1, 2))
+        smooth = np.convolve(squares, np.full(SMOOTHED, 1.0 / SMOOTHED), "same")
+        omega = float(measured.s.imag[smooth.argmax()])
+        own = np.column_stack([found.fit.omega, found.fit.zeta])
+        trial = _with_poles(measured, np.vstack([own, [omega, STARTING_DAMPING]]))
+        if trial.fit.misfit > (1.0 - LEAST_GAIN) * found.fit.misfit:
+            break
+        found = trial
+        added.append(omega / (2.0 * np.pi))
+    return replace(found, added=np.array(added))
+
+
+def _with_poles(measured: Measurement, poles: Array) -> Identification:
+    omega, zeta = poles[np.argsort(poles[:, 0])].T
+    rest_omega = np.array(REST) * measured.highest
+    beyond = resonances(measured.s, rest_omega, REST_DAMPING)
+    dropped: list[tuple[float, float]] = []
+    while True:
+        R = residues(measured, np.hstack([resonances(measured.s, omega, zeta), beyond]))
+        shapes = [shape_of(residue, measured) for residue in R[: len(omega)]]
+        kept = np.array([_is_mode(shape) for shape in shapes], dtype=bool)
+        if kept.all():
+            break
+        # Without them others may turn out to be none: two poles of one mode share its residue.
+        pairs = zip(omega[~kept].tolist(), zeta[~kept].tolist(), strict=True)
+        dropped += [(w / (2.0 * np.pi), z) for w, z in pairs]
+        omega, zeta = omega[kept], zeta[kept]
+    rest, negative = zip(*(passive_rest(X, measured) for X in R[len(omega) :]), strict=True)
+    psi = np.array([shape.psi for shape in shapes]).reshape(-1, measured.outputs.shape[1]).T
+    fit = refined(Fit(omega, zeta, psi, rest_omega, tuple(rest)), measured)
+    order = np.argsort(fit.omega)
+    fit = replace(fit, omega=fit.omega[order], zeta=fit.zeta[order], shapes=fit.shapes[:, order])
+    return Identification(
+        fit,
+        dropped=np.array(dropped).reshape(-1, 2),
+        added=np.empty(0),
+        defects=np.array([shape.defect for shape in shapes])[order],
+        signs=np.array([shape.sign for shape in shapes])[order],
+        negative=np.array(negative),
+    )
+
+
+def _is_mode(shape: Shape) -> bool:
+    return shape.defect < LARGEST_DEFECT and shape.sign > LEAST_SIGN

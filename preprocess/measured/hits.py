@@ -1,0 +1,48 @@
+"""Hits of a test: where a hammer struck, and in which direction it pushed the part."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..errors import MeasurementError
+from .channels import DIRECTION_COLUMNS, direction_of, numbers_of, read_rows
+
+
+@dataclass(frozen=True, eq=False)
+class HitTable:
+    """Hits of a test: labels (n,), points (n, 3) [m] and unit vectors (n, 3) of force."""
+
+    labels: tuple[str, ...]
+    points: Array
+    directions: Array
+
+
+def read_hits(path: Path) -> HitTable:
+    """The hits of a table with the columns label, x, y, z and either axis or dx, dy, dz.
+
+    Directions are those of the force on the part, into it. `MeasurementError` names the file and
+    the line.
+    """
+    columns, rows = read_rows(path)
+    known = set(columns)
+    if not {"label", "x", "y", "z"} <= known or not (
+        "axis" in known or set(DIRECTION_COLUMNS) <= known
+    ):
+        raise MeasurementError(
+            f"{path}: expected the columns label, x, y, z and either axis or dx, dy, dz, found "
+            f"{', '.join(columns) or 'none'}"
+        )
+    labels, points, directions = [], [], []
+    for line, row in enumerate(rows, start=2):
+        where = f"{path}: line {line}"
+        label = row["label"].strip()
+        if not label or label in labels:
+            raise MeasurementError(f"{where}: label: expected another name, found {label!r}")
+        labels.append(label)
+        points.append(numbers_of(where, row, ("x", "y", "z")))
+        directions.append(direction_of(where, row))
+    if not labels:
+        raise MeasurementError(f"{path}: expected a line for each hit, found none")
+    return HitTable(tuple(labels), np.array(points), np.array(directions))
