@@ -43,6 +43,7 @@ ABOUT = {
     "preprocess/sources": "lines, solids or matrices",
     "preprocess/solving": "linear systems: factors, cost",
     "preprocess/responses": "impulse and static responses, modes",
+    "preprocess/identification": "modes from measured responses",
     "preprocess/rotation": "second order in a few coordinates",
     "preprocess/measured": "models that follow a test",
     "preprocess/estimate": "time and memory to expect",

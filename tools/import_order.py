@@ -41,6 +41,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "solving",
         "responses",
         "rotation",
+        "identification",
         "measured",
         "estimate",
         "recovery",

@@ -8,10 +8,9 @@ from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, Pr
 
 from ...inputs import FORM_OF_NAMES, Also, Table, Vector, expected, is_name, quoted, rule
 from ...superelement import sha256
-from .body import Impulse, as_matrix
+from .body import FilePath, Impulse, as_matrix
 
-FilePath = Annotated[Path, Field(strict=False)]
-Quantity = Literal["accelerance", "mobility", "receptance"]
+MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
 
 
 class RigidPart(Table):
@@ -47,7 +46,7 @@ class FrequencyTest(Table):
     """
 
     frf: FilePath
-    quantity: Quantity | None = None
+    quantity: MeasuredQuantity | None = None
     channels: FilePath
     hits: FilePath
     band: Annotated[tuple[PositiveFloat, PositiveFloat], expected("two frequencies [Hz]")]
@@ -93,10 +92,17 @@ class MeasuredBody(Table):
 
     Examples
     --------
-    >>> MeasuredBody(name="bracket", measured={}, interfaces={}, impulse={})
-    Traceback (most recent call last):
-    pydantic_core._pydantic_core.ValidationError: 8 validation errors for MeasuredBody
-    ...
+    >>> rigid = {"mass": 2.2, "center": [0.1, 0.0, 0.0], "inertia": [0.006, 0.026, 0.023]}
+    >>> tables = {"channels": "channels.csv", "hits": "hits.csv"}
+    >>> foot = {"at": [0.3, 0.0, 0.0], "channels": ["1"], "hits": ["11"], "rotations": False}
+    >>> angle = MeasuredBody(
+    ...     name="angle",
+    ...     measured={"frf": "angle.uff", **tables, "band": [20.0, 5e3], "rigid": rigid},
+    ...     interfaces={"foot": foot},
+    ...     impulse={"step": 1e-5, "steps": 100},
+    ... )
+    >>> [path.name for path in angle.files]
+    ['angle.uff', 'channels.csv', 'hits.csv']
     """
 
     name: str

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...superelement.validation import Array
 from .poles import stable_poles
-from .refinement import refined
-from .responses import REST_DAMPING, Fit, Measurement, resonances
-from .shapes import Shape, passive_rest, residues, shape_of
+from .refinement import refined_fit
+from .responses import REST_DAMPING, Measurement, ModalFit, resonances
+from .shapes import ResidueShape, passive_rest, residues, shape_of
 
-REST = 1.06, 1.6
+REST_PLACES = 1.06, 1.6
 """frequencies of what stands for modes beyond the band, over the highest one: one of them alone
 makes three times the error in its upper half"""
 LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
@@ -18,11 +18,11 @@ LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
 sign"""
 FURTHER_MODES, LEAST_GAIN = 5, 0.03
 """how many modes are added where the misfit is largest, and what each of them must take off it"""
-ENOUGH = 1e-3
+NOTHING_MISSING = 1e-3
 """misfit below which nothing is missing: no test is as exact"""
-SMOOTHED = 5
+SMOOTHED_LINES = 5
 """lines over which the misfit is averaged to see where it is largest"""
-STARTING_DAMPING = 0.008
+DAMPING_OF_NEW = 0.008
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Identification:
     the part of each rest that was not passive.
     """
 
-    fit: Fit
+    fit: ModalFit
     dropped: Array
     added: Array
     defects: Array
@@ -49,12 +49,12 @@ def identify(measured: Measurement, poles: Array | None = None) -> Identificatio
     """
     found = _with_poles(measured, stable_poles(measured) if poles is None else poles)
     added: list[float] = []
-    while len(added) < FURTHER_MODES and found.fit.misfit > ENOUGH:
+    while len(added) < FURTHER_MODES and found.fit.misfit > NOTHING_MISSING:
         squares = (found.fit.misfits(measured) ** 2).mean(axis=(1, 2))
-        smooth = np.convolve(squares, np.full(SMOOTHED, 1.0 / SMOOTHED), "same")
+        smooth = np.convolve(squares, np.full(SMOOTHED_LINES, 1.0 / SMOOTHED_LINES), "same")
         omega = float(measured.s.imag[smooth.argmax()])
         own = np.column_stack([found.fit.omega, found.fit.zeta])
-        trial = _with_poles(measured, np.vstack([own, [omega, STARTING_DAMPING]]))
+        trial = _with_poles(measured, np.vstack([own, [omega, DAMPING_OF_NEW]]))
         if trial.fit.misfit > (1.0 - LEAST_GAIN) * found.fit.misfit:
             break
         found = trial
@@ -64,7 +64,7 @@ def identify(measured: Measurement, poles: Array | None = None) -> Identificatio
 
 def _with_poles(measured: Measurement, poles: Array) -> Identification:
     omega, zeta = poles[np.argsort(poles[:, 0])].T
-    rest_omega = np.array(REST) * measured.highest
+    rest_omega = np.array(REST_PLACES) * measured.highest
     beyond = resonances(measured.s, rest_omega, REST_DAMPING)
     dropped: list[tuple[float, float]] = []
     while True:
@@ -79,7 +79,7 @@ def _with_poles(measured: Measurement, poles: Array) -> Identification:
         omega, zeta = omega[kept], zeta[kept]
     rest, negative = zip(*(passive_rest(X, measured) for X in R[len(omega) :]), strict=True)
     psi = np.array([shape.psi for shape in shapes]).reshape(-1, measured.outputs.shape[1]).T
-    fit = refined(Fit(omega, zeta, psi, rest_omega, tuple(rest)), measured)
+    fit = refined_fit(ModalFit(omega, zeta, psi, rest_omega, tuple(rest)), measured)
     order = np.argsort(fit.omega)
     fit = replace(fit, omega=fit.omega[order], zeta=fit.zeta[order], shapes=fit.shapes[:, order])
     return Identification(
@@ -92,5 +92,5 @@ def _with_poles(measured: Measurement, poles: Array) -> Identification:
     )
 
 
-def _is_mode(shape: Shape) -> bool:
+def _is_mode(shape: ResidueShape) -> bool:
     return shape.defect < LARGEST_DEFECT and shape.sign > LEAST_SIGN

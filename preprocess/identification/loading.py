@@ -27,10 +27,12 @@ def without_masses(modes: FreeModes, rigid: Array, M: Array, masses: Array) -> F
     if not masses.any():
         return modes
     m = len(modes.omega)
+    # Modes are orthogonal with the masses, and are no longer without them.
     all_shapes = np.hstack([rigid, modes.shapes])
     mass = scipy.linalg.block_diag(M, np.eye(m)) - all_shapes.T @ (masses[:, None] * all_shapes)
     if not np.linalg.eigvalsh(mass)[0] > 0.0:
         raise ValueError("no mass would be left")
+    # Elastic motions with the rigid one that their free motion has.
     T = np.vstack([-np.linalg.solve(mass[:6, :6], mass[:6, 6:]), np.eye(m)])
     stiffness = np.diag(modes.omega**2)
     squares, own = scipy.linalg.eigh(stiffness, T.T @ mass @ T)

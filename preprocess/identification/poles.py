@@ -9,17 +9,17 @@ Trans. Power Delivery 14 (1999) 1052-1061; B. Gustavsen, ibid. 21 (2006) 1587-15
 
 import numpy as np
 
-from ...superelement.validation import Array
-from .responses import Complex, Measurement
+from ...files.arrays import Array, Complex
+from .responses import Measurement
 
-ORDERS = (14, 18, 22)
+POLE_PAIRS = (14, 18, 22)
 """pairs of poles; those that matter are found by most of them"""
-RELOCATIONS = 6
-RESPONSES = 10
+POLE_RELOCATIONS = 6
+STRONGEST_RESPONSES = 10
 """directions in which responses are strongest: a pole that none of them has is none of the part"""
 LEAST_RESPONSE = 3e-3
 """of the strongest direction"""
-LINES = 1000
+MOST_LINES = 1000
 """of the measurement that poles are sought with"""
 SAME_FREQUENCY, SAME_DAMPING = 0.01, 0.5
 """relative differences within which poles of two orders are one"""
@@ -28,8 +28,8 @@ FOUND_BY = 0.6
 DAMPING_RANGE = 1e-5, 0.1
 BEYOND_BAND = 1.12
 """of the highest frequency: the flank of a mode just above the band is in it"""
-STARTING_DAMPING = 0.01
-RIDGE = 1e-12
+DAMPING_AT_START = 0.01
+RIDGE_OF_POLES = 1e-12
 """of the diagonal of normal equations, for poles that coincide"""
 LEAST_CONSTANT = 1e-8
 """of sigma: below, its zeros would be at infinity"""
@@ -37,13 +37,15 @@ LEAST_CONSTANT = 1e-8
 
 def stable_poles(measured: Measurement) -> Array:
     """Circular frequencies and damping ratios (p, 2) of poles that several orders find."""
-    every = max(1, len(measured.s) // LINES)
+    # Poles need no more lines than that, and their search takes time for each of them.
+    every = max(1, len(measured.s) // MOST_LINES)
     s, weights = measured.s[::every], measured.weights[::every]
     responses = _strongest(measured)[::every]
     low, high = float(s.imag.min()), float(s.imag.max())
     found = []
-    for order in ORDERS:
-        start = np.asarray((1j - STARTING_DAMPING) * np.linspace(1.5 * low, 1.1 * high, order))
+    for order in POLE_PAIRS:
+        # Lightly damped ones all over the band: heavily damped ones move little.
+        start = np.asarray((1j - DAMPING_AT_START) * np.linspace(1.5 * low, 1.1 * high, order))
         found.append(relocated(s, responses, weights, start))
     poles, by = np.concatenate(found), np.repeat(range(len(found)), [len(p) for p in found])
     taken, kept = np.zeros(len(poles), dtype=bool), []
@@ -58,7 +60,8 @@ def stable_poles(measured: Measurement) -> Array:
         taken |= same
         omega = float(np.median(np.abs(poles[same])))
         zeta = float(-np.median(poles[same].real)) / omega
-        if len(set(by[same])) < FOUND_BY * len(ORDERS):
+        # Poles of noise are others in each order.
+        if len(set(by[same])) < FOUND_BY * len(POLE_PAIRS):
             continue
         if low < omega < BEYOND_BAND * high and DAMPING_RANGE[0] < zeta < DAMPING_RANGE[1]:
             kept.append((omega, zeta))
@@ -69,15 +72,16 @@ def _strongest(measured: Measurement) -> Complex:
     """Combinations (k, r) of all responses that hold nearly all of them."""
     weights = measured.weights[:, None]
     every = (measured.elastic.reshape(len(measured.s), -1)) * weights
+    # The small Gram matrix has the same directions as an SVD of all responses.
     squares, directions = np.linalg.eigh((every.conj().T @ every).real)
     sizes = np.sqrt(np.maximum(squares[::-1], 0.0))
-    count = min(RESPONSES, int((sizes > LEAST_RESPONSE * sizes[0]).sum()))
+    count = min(STRONGEST_RESPONSES, int((sizes > LEAST_RESPONSE * sizes[0]).sum()))
     return np.asarray(every @ directions[:, ::-1][:, :count] / weights)
 
 
 def relocated(s: Complex, responses: Complex, weights: Array, poles: Complex) -> Complex:
     """Poles with positive imaginary parts (p,) that the columns of responses (k, r) share."""
-    for _ in range(RELOCATIONS):
+    for _ in range(POLE_RELOCATIONS):
         poles = _zeros_of_sigma(s, responses, weights, poles)
     return poles
 
@@ -90,7 +94,8 @@ def _zeros_of_sigma(s: Complex, responses: Complex, weights: Array, poles: Compl
     sigma = np.hstack([basis, np.ones((len(s), 1))])
     sizes = np.linalg.norm(sigma, axis=0)
     normal = own.T @ own
-    normal[np.diag_indices(len(normal))] *= 1.0 + RIDGE
+    # Two poles that have come together make two columns the same.
+    normal[np.diag_indices(len(normal))] *= 1.0 + RIDGE_OF_POLES
     # The coefficients of each response are eliminated: Gram matrices do it far faster than QR.
     left = np.zeros((sigma.shape[1],) * 2)
     for response in responses.T:
@@ -98,6 +103,7 @@ def _zeros_of_sigma(s: Complex, responses: Complex, weights: Array, poles: Compl
         common = np.vstack([common.real, common.imag])
         mixed = own.T @ common
         left += common.T @ common - mixed.T @ np.linalg.solve(normal, mixed)
+    # Without a condition sigma = 0 would solve it all.
     mean = (sigma / sizes).real.sum(axis=0)
     strength = (np.linalg.norm(responses * weights[:, None]) / len(s)) ** 2
     b = np.linalg.lstsq(
@@ -129,6 +135,7 @@ def _zeros(poles: Complex, b: Array) -> Complex:
         A[pair, pair] = [[pole.real, pole.imag], [-pole.imag, pole.real]]
     A[::2] -= 2.0 * b
     zeros = np.linalg.eigvals(A)
+    # One of each pair stands for both.
     zeros = zeros[zeros.imag > 0.0]
     return np.where(zeros.real > 0.0, -zeros.conj(), zeros)
 
@@ -139,6 +146,6 @@ def _completed(poles: Complex, count: int, s: Complex) -> Complex:
     while len(poles) < count:
         places = np.concatenate([[s.imag.min()], poles.imag, [s.imag.max()]])
         k = int(np.argmax(np.diff(places)))
-        new = (1j - STARTING_DAMPING) * 0.5 * (places[k] + places[k + 1])
+        new = (1j - DAMPING_AT_START) * 0.5 * (places[k] + places[k + 1])
         poles = np.insert(poles, np.searchsorted(poles.imag, new.imag), new)
     return poles

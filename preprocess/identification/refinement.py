@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...files.arrays import Array, IntArray
-from .responses import REST_DAMPING, Complex, Fit, Measurement, relative, resonances
+from ...files.arrays import Array, Complex, IntArray
+from .responses import REST_DAMPING, Measurement, ModalFit, relative_size, resonances
 
-ITERATIONS = 40
-TRIES = 8
+GAUSS_STEPS = 40
+DAMPING_TRIES = 8
 """dampings of a step until it is a better one"""
-ENOUGH = 1e-5
+LEAST_IMPROVEMENT = 1e-5
 """relative gain of a step, below which it is the last one"""
 LARGEST_STEPS = 0.05, 0.5
 """relative changes of a frequency and of a damping ratio in one step"""
@@ -26,14 +26,15 @@ LEAST_DIAGONAL = 1e-9
 """of the largest of the normal equations, for what the responses hardly tell"""
 
 
-def refined(fit: Fit, measured: Measurement) -> Fit:
+def refined_fit(fit: ModalFit, measured: Measurement) -> ModalFit:
     """The fit with the least misfit that is found from there."""
     damping, fit = 1e-3, _measured(fit, measured)
-    for _ in range(ITERATIONS):
+    for _ in range(GAUSS_STEPS):
         normal, slope = _equations(fit, measured)
+        # By Marquardt: parameters of different units need different damping.
         diagonal = np.diag(normal)
         diagonal = np.maximum(diagonal, LEAST_DIAGONAL * diagonal.max())
-        for _ in range(TRIES):
+        for _ in range(DAMPING_TRIES):
             step = np.asarray(np.linalg.solve(normal + damping * np.diag(diagonal), slope))
             trial = _measured(_moved(fit, step), measured)
             if trial.misfit < fit.misfit:
@@ -43,20 +44,21 @@ def refined(fit: Fit, measured: Measurement) -> Fit:
             return fit
         gain = 1.0 - (trial.misfit / fit.misfit) ** 2
         fit, damping = trial, max(damping / 10.0, 1e-10)
-        if gain < ENOUGH:
+        if gain < LEAST_IMPROVEMENT:
             break
     return fit
 
 
-def _measured(fit: Fit, measured: Measurement) -> Fit:
-    return replace(fit, misfit=relative(fit.misfits(measured), measured))
+def _measured(fit: ModalFit, measured: Measurement) -> ModalFit:
+    return replace(fit, misfit=relative_size(fit.misfits(measured), measured))
 
 
-def _moved(fit: Fit, step: Array) -> Fit:
+def _moved(fit: ModalFit, step: Array) -> ModalFit:
     """The fit with its parameters changed, in the order of `_matrices`."""
     q, m = fit.shapes.shape
     sizes = [fit.shapes.size, m, m, *(L.size for L in fit.rest)]
     shapes, omega, zeta, *rest = np.split(step, np.cumsum(sizes)[:-1])
+    # A mode that leaps over its resonance would be lost.
     by_omega, by_zeta = (
         np.clip(part, -most, most) for part, most in zip((omega, zeta), LARGEST_STEPS, strict=True)
     )
@@ -69,7 +71,7 @@ def _moved(fit: Fit, step: Array) -> Fit:
     )
 
 
-def _equations(fit: Fit, measured: Measurement) -> tuple[Array, Array]:
+def _equations(fit: ModalFit, measured: Measurement) -> tuple[Array, Array]:
     functions = _functions(fit, measured.s)
     X, which = _matrices(fit, measured)
     error = (measured.elastic - fit.responses(measured)).reshape(len(measured.s), -1)
@@ -80,7 +82,7 @@ def _equations(fit: Fit, measured: Measurement) -> tuple[Array, Array]:
     return normal, np.asarray(slope)
 
 
-def _functions(fit: Fit, s: Complex) -> Complex:
+def _functions(fit: ModalFit, s: Complex) -> Complex:
     """g (k, 3 m + r): of shapes, of relative changes of omega, of those of zeta; of each rest."""
     square = s[:, None] ** 2
     over = square / (square + 2.0 * fit.zeta * fit.omega * s[:, None] + fit.omega**2) ** 2
@@ -90,13 +92,14 @@ def _functions(fit: Fit, s: Complex) -> Complex:
     return np.hstack([resonances(s, fit.omega, fit.zeta), by_omega, by_zeta, rest])
 
 
-def _matrices(fit: Fit, measured: Measurement) -> tuple[Array, IntArray]:
+def _matrices(fit: ModalFit, measured: Measurement) -> tuple[Array, IntArray]:
     """X (p, n_o n_i) of all parameters, and the function of each."""
     m = len(fit.omega)
     X, which = [], []
     for i in range(m):
         X.append(_by_shape(fit.shapes[:, i], measured))
         which += [i] * len(X[-1])
+    # Frequency and damping of a mode change its whole residue.
     seen = [(measured.outputs @ psi, measured.inputs @ psi) for psi in fit.shapes.T]
     for first in (m, 2 * m):
         X += [np.outer(a, b).reshape(1, -1) for a, b in seen]

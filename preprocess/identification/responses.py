@@ -12,11 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
-
-Complex = NDArray[np.complex128]
+from ...files.arrays import Array, Complex
 
 REST_DAMPING = 0.02
 """damping ratio of the modes that stand for all beyond the band"""
@@ -56,7 +53,7 @@ class Measurement:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ModalFit:
     """Modes of a part and what stands for those beyond the band.
 
     omega (m,), zeta (m,), shapes (q, m) [1/sqrt(kg)]; rest: shapes (q, n_r) at each of rest_omega.
@@ -99,7 +96,7 @@ def resonances(s: Complex, omega: Array, zeta: Array | float) -> Complex:
     return np.asarray(square / (square + 2.0 * zeta * omega * s[:, None] + omega**2))
 
 
-def relative(errors: Array, measured: Measurement) -> float:
+def relative_size(errors: Array, measured: Measurement) -> float:
     """Of weighted errors (k, n_o, n_i): their size over that of the weighted responses."""
     # By the choice of weights each line has the square of n_o n_i.
     return float(np.sqrt((errors**2).sum() / np.prod(measured.H.shape)))

@@ -74,7 +74,7 @@ def read_channels(path: Path) -> ChannelTable:
                 f"{places[label].tolist()}"
             )
         points.append(point)
-        directions.append(direction_of(where, row))
+        directions.append(channel_direction(where, row))
     names = _names(labels, rows)
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -104,7 +104,7 @@ def _names(labels: list[str], rows: list[dict[str, str]]) -> list[str]:
     return names
 
 
-def direction_of(where: str, row: dict[str, str]) -> Array:
+def channel_direction(where: str, row: dict[str, str]) -> Array:
     axis = (row.get("axis") or "").strip()
     if axis:
         sign = -1.0 if axis.startswith("-") else 1.0

@@ -18,11 +18,11 @@ from .hits import HitTable
 
 LARGEST_CONDITION = 1e4
 """of the rows of a virtual point, lengths scaled by their spread"""
-DIRECTIONS = "x", "y", "z"
+TOLD_AXES = "x", "y", "z"
 
 
 @dataclass(frozen=True, eq=False)
-class Coordinates:
+class TestCoordinates:
     """q and what channels and hits are of them.
 
     outputs (n_o, q), inputs (n_i, q); rigid (q, 6): rigid motions about the center of mass;
@@ -40,7 +40,7 @@ class Coordinates:
 
 def coordinates_of(
     points: Mapping[str, VirtualPoint], channels: ChannelTable, hits: HitTable, center: Array
-) -> Coordinates:
+) -> TestCoordinates:
     """The coordinates of virtual points, then of other sensors, then of other hits.
 
     `MeasurementError` names the interface whose channels or hits do not tell its motion or load.
@@ -74,6 +74,7 @@ def coordinates_of(
         mine = [k for k, other in enumerate(channels.labels) if other == label]
         first, directions = len(rigid), channels.directions[mine]
         X = channels.points[mine[0]] - center
+        # Only three directions make a motion that a run can be compared with.
         triaxial = np.linalg.matrix_rank(directions) == 3
         axes = np.eye(3) if triaxial else directions
         outputs[mine, first : first + len(axes)] = directions if triaxial else np.eye(len(mine))
@@ -85,7 +86,9 @@ def coordinates_of(
             inputs[k, len(rigid)] = 1.0
             rigid.append(_row(hits.points[k] - center, hits.directions[k]))
     q = len(rigid)
-    return Coordinates(outputs[:, :q], inputs[:, :q], np.array(rigid), interfaces, sensors, places)
+    return TestCoordinates(
+        outputs[:, :q], inputs[:, :q], np.array(rigid), interfaces, sensors, places
+    )
 
 
 def _row(lever: Array, e: Array) -> Array:
@@ -110,6 +113,7 @@ def _interface_of(
 
 def _require_rank(name: str, key: str, rows: Array) -> None:
     n = rows.shape[1]
+    # Moments are forces times lengths: by these they become comparable.
     scaled = rows.copy()
     if n == 6 and (spread := float(np.abs(rows[:, 3:]).max(initial=0.0))) > 0.0:
         scaled[:, 3:] /= spread
@@ -124,7 +128,7 @@ def _require_rank(name: str, key: str, rows: Array) -> None:
         if key == "hits"
         else kind.replace("turn it", "tell its turn").replace("push it", "tell its motion")
     )
-    axis = DIRECTIONS[weakest % 3]
+    axis = TOLD_AXES[weakest % 3]
     advice = ", or rotations = false" if n == 6 else ""
     raise MeasurementError(
         f"interfaces.{name}: its {key} do not {verb} {axis}: add one beside the others{advice}"

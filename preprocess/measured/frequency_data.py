@@ -6,15 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
 from .hits import HitTable
 
-Complex = NDArray[np.complex128]
-POWERS = {"accelerance": 0, "mobility": 1, "receptance": 2}
+POWERS_OF_S = {"accelerance": 0, "mobility": 1, "receptance": 2}
 """of s that make each of them an accelerance"""
 QUANTITY_OF_TYPE = {12: "accelerance", 11: "mobility", 8: "receptance"}
 """of UFF's types of the numerator"""
@@ -23,7 +21,15 @@ FORCE_TYPE, FREQUENCY_TYPE, RESPONSE_FUNCTION = 13, 18, 4
 SAME_LINES = 1e-6
 """relative difference of frequencies that are one line"""
 LEAST_LINES = 20
-DAMAGE = (OSError, TypeError, ValueError, KeyError, EOFError, NotImplementedError, UnicodeError)
+DAMAGE_OF_RESPONSES = (
+    OSError,
+    TypeError,
+    ValueError,
+    KeyError,
+    EOFError,
+    NotImplementedError,
+    UnicodeError,
+)
 """what readers of broken files raise"""
 
 
@@ -57,25 +63,26 @@ def read_responses(
     if not (kind := quantity or found):
         raise MeasurementError(
             f"{path}: the file does not say what it has: measured.quantity: expected one of "
-            f"{', '.join(POWERS)}, found none"
+            f"{', '.join(POWERS_OF_S)}, found none"
         )
-    if kind not in POWERS:
-        raise MeasurementError(f"{path}: expected one of {', '.join(POWERS)}, found {kind!r}")
+    if kind not in POWERS_OF_S:
+        raise MeasurementError(f"{path}: expected one of {', '.join(POWERS_OF_S)}, found {kind!r}")
     if not np.isfinite(H).all() or not np.isfinite(f).all():
         raise MeasurementError(f"{path}: expected finite numbers, found others")
     if len(f) < LEAST_LINES or not (np.diff(f) > 0.0).all() or f[0] < 0.0:
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
+    # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
-    return FrequencyData(f, H * (s ** POWERS[kind])[:, None, None])
+    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None])
 
 
 Read = tuple[Array, Complex, str]
 
 
 def _of_arrays(path: Path, channels: ChannelTable, hits: HitTable) -> Read:
-    with about(path, MeasurementError, "file", "not readable arrays", DAMAGE):
+    with about(path, MeasurementError, "file", "not readable arrays", DAMAGE_OF_RESPONSES):
         arrays = ARRAY_READERS[path.suffix.lower()](path)
     if missing := [key for key in ("f", "H") if key not in arrays]:
         raise MeasurementError(f"{path}: expected the arrays f and H, found no {missing[0]}")
@@ -148,14 +155,18 @@ def _of_uff(path: Path, channels: ChannelTable, hits: HitTable) -> Read:
         raise MeasurementError(
             f"{path}: reading UFF takes pyuff: pip install 'duhamel[measured]'"
         ) from error
-    with about(path, MeasurementError, "file", "not a readable UFF file", DAMAGE):
+    with about(path, MeasurementError, "file", "not a readable UFF file", DAMAGE_OF_RESPONSES):
         file = pyuff.UFF(str(path))
-        types = file.get_set_types()
-        sets = [(k + 1, file.read_sets(k)) for k, kind in enumerate(types) if int(kind) == 58]
+        types = [int(kind) for kind in file.get_set_types()]
+        sets = [(k + 1, file.read_sets(k)) for k, kind in enumerate(types) if kind == 58]
+    # pyuff passes over what it cannot read, and says nothing.
+    if 0 in types:
+        raise MeasurementError(f"{path}: set {types.index(0) + 1}: expected a UFF set, found none")
     responses = [(k, one) for k, one in sets if _is_response(path, k, one)]
     if not responses:
         raise MeasurementError(f"{path}: expected sets 58 of frequency responses, found none")
     outputs = {name: k for k, name in enumerate(channels.names)}
+    # All of them have one axis, or could not be one matrix.
     first = np.asarray(responses[0][1]["x"], dtype=float)
     H = np.full((len(first), len(channels.names), len(hits.labels)), np.nan + 0j)
     quantities = set()
@@ -191,7 +202,7 @@ def _of_uff(path: Path, channels: ChannelTable, hits: HitTable) -> Read:
 
 def _is_response(path: Path, k: int, one: Mapping[str, Any]) -> bool:
     """Whether a set is a frequency response; `MeasurementError` where it has no numbers."""
-    # pyuff gives sets that it cannot read without their numbers, and says nothing.
+    # Nor does it say that the numbers of a set are broken off.
     if "data" not in one or "x" not in one or not np.size(one["data"]):
         raise MeasurementError(f"{path}: set {k}: expected numbers, found none that can be read")
     return int(one["func_type"]) == RESPONSE_FUNCTION

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeasurementError
-from .channels import DIRECTION_COLUMNS, direction_of, numbers_of, read_rows
+from .channels import DIRECTION_COLUMNS, channel_direction, numbers_of, read_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def read_hits(path: Path) -> HitTable:
             raise MeasurementError(f"{where}: label: expected another name, found {label!r}")
         labels.append(label)
         points.append(numbers_of(where, row, ("x", "y", "z")))
-        directions.append(direction_of(where, row))
+        directions.append(channel_direction(where, row))
     if not labels:
         raise MeasurementError(f"{path}: expected a line for each hit, found none")
     return HitTable(tuple(labels), np.array(points), np.array(directions))

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...superelement.validation import Array
+from ...files.arrays import Array, Complex
 from ..errors import MeasurementError, about
 from .channels import ChannelTable, read_rows
 
@@ -19,8 +18,6 @@ DOUBTED_COMPLEXITY, LARGEST_COMPLEXITY = 0.1, 0.3
 
 DAMAGE_OF_ARRAYS = (OSError, TypeError, ValueError, EOFError, zipfile.BadZipFile)
 """what reading arrays raises"""
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)

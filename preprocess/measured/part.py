@@ -24,7 +24,7 @@ from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
 from ..progress import Stages, Warn
 from .channels import ChannelTable, read_channels
-from .coordinates import Coordinates, coordinates_of
+from .coordinates import TestCoordinates, coordinates_of
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
 from .update import SENSOR_NAME
@@ -45,7 +45,7 @@ class PartTest:
     channels: ChannelTable
     hits: HitTable
     data: FrequencyData
-    coordinates: Coordinates
+    coordinates: TestCoordinates
 
 
 def read_part_test(body: MeasuredBody) -> PartTest:
@@ -56,6 +56,7 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     coordinates = coordinates_of(body.interfaces, channels, hits, center)
     data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
     low, high = asked.band
+    # Fewer lines than coordinates cannot tell them apart.
     used = (data.f >= low) & (data.f <= high)
     if used.sum() < len(coordinates.rigid):
         raise MeasurementError(
@@ -110,6 +111,7 @@ def _sensor_rows(test: PartTest) -> list[Array]:
 
 def _free_modes(test: PartTest, found: Identification) -> FreeModes:
     fit, own, mass = found.fit, test.coordinates, test.body.measured.sensor_mass
+    # The rest becomes modes like all others, beyond the band.
     counts = [L.shape[1] for L in fit.rest]
     modes = FreeModes(
         np.concatenate([fit.omega, np.repeat(fit.rest_omega, counts)]),
@@ -143,8 +145,8 @@ def _warn(test: PartTest, found: Identification, warn: Warn) -> None:
     signs = found.signs < DOUBTED_SIGN
     for frequency in fit.frequencies[signs]:
         warn(
-            f"{name}: the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are "
-            "all of them where the tables say?"
+            f"{name}: the mode at {frequency:.5g} Hz has another shape by hits than by sensors: "
+            "are all of them where the tables say?"
         )
 
 

@@ -13,7 +13,7 @@ from ..compiler.marks import compiled
 from .records.surfaces import Facets, SurfaceWork
 from .vectors import Vector, add, cross, dot, row, scale, subtract
 
-BLOCK = 16
+BLOCK_FACETS = 16
 """facets with a box around all of them; mostly they are beside one another in a mesh"""
 MAX_ITERATIONS = 20
 """iterations of the projection on a facet, of which some five are needed"""
@@ -135,10 +135,10 @@ def shape_target(facets: Facets, p: int, place: Array, work: SurfaceWork) -> Non
             for x in range(3):
                 work.corner_normal[f, i, x] = mean[x]
         _shape_facet(facets, p, f, place, work)
-    for start in range(facets.range[p], facets.range[p + 1], BLOCK):
+    for start in range(facets.range[p], facets.range[p + 1], BLOCK_FACETS):
         for x in range(3):
             low, high = math.inf, -math.inf
-            for f in range(start, min(start + BLOCK, facets.range[p + 1])):
+            for f in range(start, min(start + BLOCK_FACETS, facets.range[p + 1])):
                 low = min(low, work.facet_low[f, x])
                 high = max(high, work.facet_high[f, x])
             work.block_low[start, x], work.block_high[start, x] = low, high
@@ -206,12 +206,12 @@ def seek_facet(
     """
     first, last = facets.range[p], facets.range[p + 1]
     nearest, best, bound = -1, math.inf, math.inf
-    for start in range(first, last, BLOCK):
+    for start in range(first, last, BLOCK_FACETS):
         square = _square_from_box(work.block_low, work.block_high, start, x)
         if square >= best:
             bound = min(bound, square)
             continue
-        for f in range(start, min(start + BLOCK, last)):
+        for f in range(start, min(start + BLOCK_FACETS, last)):
             square = _square_from_box(work.facet_low, work.facet_high, f, x)
             bound = min(bound, square)
             if square < best and _faces(f, normal, work):
@@ -223,10 +223,10 @@ def seek_facet(
     # The facet whose cuboid is nearest leaves few whose cuboids are nearer than it is itself.
     begun = nearest
     best = _square_from_facet(facets, p, begun, x, work)
-    for start in range(first, last, BLOCK):
+    for start in range(first, last, BLOCK_FACETS):
         if _square_from_box(work.block_low, work.block_high, start, x) >= best:
             continue
-        for f in range(start, min(start + BLOCK, last)):
+        for f in range(start, min(start + BLOCK_FACETS, last)):
             if (
                 f != begun
                 and _square_from_box(work.facet_low, work.facet_high, f, x) < best

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from duhamel.preprocess.identification.identify import REST, identify
+from duhamel.preprocess.identification.identify import REST_PLACES, identify
 from duhamel.preprocess.identification.loading import FreeModes, without_masses
-from duhamel.preprocess.identification.refinement import _equations, _moved, refined
-from duhamel.preprocess.identification.responses import Fit, Measurement, resonances
+from duhamel.preprocess.identification.refinement import _equations, _moved, refined_fit
+from duhamel.preprocess.identification.responses import Measurement, ModalFit, resonances
 from duhamel.preprocess.identification.shapes import passive_rest, shape_of
 from scipy.linalg import eigh
 
@@ -34,7 +34,9 @@ def make(modes=6, noise=0.0, window=0.0, seed=0):
     H = U + np.einsum("am,km,bm->kab", outputs @ shapes, h, inputs @ shapes)
     noises = rng.standard_normal((2, *H.shape)) / np.sqrt(2.0)
     H = H * (1.0 + noise * (noises[0] + 1j * noises[1]))
-    fit = Fit(omega, zeta, shapes, np.array(REST) * s.imag.max(), (np.zeros((Q, 0)),) * 2)
+    fit = ModalFit(
+        omega, zeta, shapes, np.array(REST_PLACES) * s.imag.max(), (np.zeros((Q, 0)),) * 2
+    )
     return Measurement(s, H, outputs, inputs, rigid, M), fit
 
 
@@ -127,7 +129,7 @@ def test_slopes_of_the_misfit_are_differences():
 def test_refinement_finds_the_least_misfit():
     measured, true = make()
     start = replace(true, omega=1.001 * true.omega, zeta=1.3 * true.zeta, shapes=0.9 * true.shapes)
-    found = refined(start, measured)
+    found = refined_fit(start, measured)
     assert found.misfit < 1e-7
     np.testing.assert_allclose(found.omega, true.omega, rtol=1e-9)
 

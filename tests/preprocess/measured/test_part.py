@@ -105,7 +105,9 @@ def write_uff(path, bench, quantity=12, power=0, signs=None, binary=0):
                     orddenom_spec_data_type=13, ord_data_type=6, num_pts=len(bench.f), **EMPTY,
                 )
             )  # fmt: skip
-    file.write_sets(sets, mode="overwrite")
+    # By its mode "overwrite" pyuff cuts off the head of a first set that is binary.
+    path.unlink(missing_ok=True)
+    file.write_sets(sets, mode="add")
     return path
 
 
@@ -159,6 +161,7 @@ def same(element, other):
     [(12, 0, None, 0), (11, 1, "axes", 1), (8, 2, None, 1)],
     ids=["accelerance", "mobility, 58b", "receptance, 58b"],
 )
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of pyuff's writer
 def test_uff_files_of_all_quantities_are_one_part(
     quantity, power, signs, binary, coarse, of_npz, tmp_path
 ):
@@ -232,6 +235,9 @@ def test_uff_sets_that_cannot_be_read_or_are_missing_are_named(coarse, tmp_path)
         preprocess.build(preprocess.read_body(path))
     (tmp_path / "angle.uff").write_text(text + text)
     with pytest.raises(MeasurementError, match=r"expected each pair once, found 1:x by 101 twice"):
+        preprocess.build(preprocess.read_body(path))
+    (tmp_path / "angle.uff").write_text(text + "    -1\n    -1\n")
+    with pytest.raises(MeasurementError, match=r"set 481: expected a UFF set, found none"):
         preprocess.build(preprocess.read_body(path))
     (tmp_path / "angle.uff").write_text("    -1\n   151\n    -1\n")
     with pytest.raises(
