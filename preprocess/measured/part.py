@@ -27,8 +27,10 @@ from .channels import ChannelTable, read_channels
 from .coordinates import TestCoordinates, coordinates_of
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
+from .mass_line import doubts_of_mass_line
 from .update import SENSOR_NAME
 
+TOLD_DOUBTS = 3
 DOUBTED_MISFIT = 0.1
 """of a fit, of which a warning tells"""
 DOUBTED_SIGN = 0.9
@@ -72,13 +74,20 @@ def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
     with stages.stage("test"):
         test = read_part_test(body)
     with stages.stage("identification"), one_blas_thread():
-        found = identify(measurement_of(test))
-    fit, asked = found.fit, body.measured
+        measurement, asked = measurement_of(test), body.measured
+        center = np.array(asked.rigid.center)
+        doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, center))
+        found = identify(measurement)
+    fit = found.fit
     if fit.misfit > asked.accept:
+        # What is wrong with the wires says more than what the fit is like.
         raise MeasurementError(
             f"{asked.frf}: the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these, expected at most measured.accept = {asked.accept:g}"
+            + "".join(f"; {doubt}" for doubt in doubts[:TOLD_DOUBTS])
         )
+    for doubt in doubts:
+        stages.warn(f"{asked.frf}: {doubt}")
     _warn(test, found, stages.warn)
     modes = _free_modes(test, found)
     return _superelement(test, modes, fit.misfit, len(fit.omega), stages)

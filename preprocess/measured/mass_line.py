@@ -1,0 +1,235 @@
+"""Errors of a test that its mass line shows: wrong wires, gains, places, directions and masses.
+
+Well below the first resonance a free part moves as a rigid one. What it then does under each hit is
+known from its mass, so that each sensor and each hit can be compared with all others:
+
+    A = R_o U M^-1 U^T R_i^T,      H(f) = A + B f^2 + C f^4  below 0.75 of the resonance
+
+Fits are robust, lest one wrong sensor makes all hits wrong. Source: docs/theory.md, Frequency
+response tests.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...files.arrays import Array
+from ..identification.responses import Measurement
+from .channels import ChannelTable
+from .hits import HitTable
+
+PART_OF_RESONANCE = 0.75
+FIRST_PEAK = 4.0
+"""root mean square of the responses over that of the first lines, from which on there is a peak"""
+FIRST_LINES, LEAST_OF_LINE = 5, 8
+"""lines that the level of the mass line is taken from, and how many it must have"""
+LARGEST_GAIN_ERROR, LARGEST_ANGLE = 0.1, 10.0
+"""relative, and in degrees; honest tests are within 0.02 and 5"""
+LARGEST_OFFSET = 0.03
+"""of the extent of the part; honest tests are within 0.02"""
+ROBUST_STEPS = 30
+ROBUST_FLOOR = 0.01
+"""of the mean error, below which errors count as none"""
+KNOWN_GAINS = {1.0 / 9.80665: "in g?", 9.80665: "in g?", 1e-3: "in mm?", 1e3: "in mm?"}
+SAME_GAIN = 0.05
+
+
+def doubts_of_mass_line(
+    measured: Measurement, channels: ChannelTable, hits: HitTable, center: Array
+) -> Iterator[str]:
+    """What does not fit to the rigid motion of the part, a line for each sensor or hit.
+
+    One line for the mass where it is that which is wrong.
+    """
+    A = _mass_line(measured)
+    if A is None:
+        yield (
+            f"fewer than {LEAST_OF_LINE} lines below the first resonance: whether channels, hits "
+            "and mass are right cannot be checked"
+        )
+        return
+    outputs = measured.outputs @ measured.rigid
+    given = measured.inputs @ measured.rigid
+    forces = [_wrench(outputs, a, measured.M) for a in A.T]
+    mass = float(np.median([np.linalg.norm(wrench[:3]) for wrench in forces]))
+    if abs(mass - 1.0) > LARGEST_GAIN_ERROR:
+        yield (
+            f"the mass line says that the part has {measured.M[0, 0] / mass:.4g} kg with what is "
+            f"mounted on it, and [measured] has {measured.M[0, 0]:.4g} kg"
+        )
+        # Inertia is then wrong too, and so is the place of everything.
+        return
+    by_wrench = np.asarray(np.linalg.solve(measured.M, given.T))
+    size = float(np.linalg.norm(np.ptp(np.vstack([channels.points, hits.points]), axis=0)))
+    places = hits.points - center
+    # Hits that do not fit at first sight say nothing of sensors, unless most of them do not.
+    fit = np.ones(len(hits.labels), dtype=bool)
+    for j, label in enumerate(hits.labels):
+        fit[j] = not list(_of_hit(forces[j], given[j], places[j], label, size))
+    used = fit if 2 * fit.sum() > len(fit) else np.ones(len(fit), dtype=bool)
+    right = np.ones(len(A), dtype=bool)
+    for label in dict.fromkeys(channels.labels):
+        rows = [k for k, other in enumerate(channels.labels) if other == label]
+        readings = A[rows][:, used]
+        found = list(_of_sensor(readings, by_wrench[:, used], channels, rows, center, size))
+        right[rows] = not found
+        yield from found
+    # What wrong sensors say of hits counts no longer.
+    for j, label in enumerate(hits.labels):
+        wrench = _wrench(outputs[right], A[right, j], measured.M)
+        yield from _of_hit(wrench, given[j], places[j], label, size)
+
+
+def _mass_line(measured: Measurement) -> Array | None:
+    """A (n_o, n_i) of the lines below the first resonance, None where there are too few."""
+    level = 1.0 / measured.weights
+    peaks = np.flatnonzero(level > FIRST_PEAK * np.median(level[:FIRST_LINES]))
+    if not len(peaks):
+        return None
+    # The peak itself: where the level has risen it still rises.
+    first = int(peaks[0])
+    while first + 1 < len(level) and level[first + 1] > level[first]:
+        first += 1
+    omega = measured.s.imag
+    lines = omega < PART_OF_RESONANCE * omega[first]
+    if lines.sum() < LEAST_OF_LINE:
+        return None
+    x = (omega[lines] / omega[first]) ** 2
+    powers = np.column_stack([np.ones_like(x), x, x**2])
+    values = measured.H[lines].real.reshape(len(x), -1)
+    found = np.linalg.lstsq(powers, values, rcond=None)[0]
+    return np.asarray(found[0].reshape(measured.H.shape[1:]))
+
+
+def _robust(rows: Array, values: Array) -> Array:
+    """X (n, k) of the least sum of |rows X - values| over the rows (m, n), (m, k)."""
+    weights = np.ones(len(rows))
+    found = np.zeros((rows.shape[1], values.shape[1]))
+    for _ in range(ROBUST_STEPS):
+        weighted = weights[:, None] * rows, weights[:, None] * values
+        found = np.asarray(np.linalg.lstsq(*weighted, rcond=None)[0])
+        errors = np.linalg.norm(rows @ found - values, axis=1)
+        weights = 1.0 / np.sqrt(np.maximum(errors, ROBUST_FLOOR * errors.mean() + 1e-300))
+    return found
+
+
+def _wrench(outputs: Array, readings: Array, M: Array) -> Array:
+    """The force and the moment (6,) about the center that channels (n, 6) say a hit had."""
+    rows = np.linalg.solve(M, outputs.T).T
+    # Forces and moments become alike by the radius of gyration.
+    scale = np.sqrt(M[0, 0] / np.diag(M))
+    return np.asarray(_robust(rows / scale, readings[:, None])[:, 0] / scale)
+
+
+def _of_sensor(
+    A: Array, by_wrench: Array, channels: ChannelTable, rows: list[int], center: Array, size: float
+) -> Iterator[str]:
+    label, X = channels.labels[rows[0]], channels.points[rows[0]] - center
+    directions = channels.directions[rows]
+    # What channels would read there, and what combinations of these they do read.
+    at_place = np.hstack([np.eye(3), _turning(X)]) @ by_wrench
+    seen = _robust(at_place.T, A.T).T
+    own = seen @ np.linalg.pinv(directions) if len(rows) == 3 else None
+    names = [channels.names[k].rpartition(":")[2] for k in rows]
+    if own is not None and (said := _as_wired(label, own, names)):
+        yield from said
+        return
+    for k, name in enumerate(names if own is None else ()):
+        gain = float(seen[k] @ directions[k])
+        if abs(gain + 1.0) < LARGEST_GAIN_ERROR:
+            yield f"sensor {label}: channel {name} is reversed"
+        elif abs(gain - 1.0) > LARGEST_GAIN_ERROR:
+            yield f"sensor {label}: channel {name} reads {gain:.2g} of what it should{_unit(gain)}"
+    if own is None:
+        return
+    moved = _robust(by_wrench.T, A.T).T
+    place = _place(moved)
+    if place is not None and np.linalg.norm(place - X) > LARGEST_OFFSET * size:
+        there = np.linalg.norm(channels.points - center - place, axis=1)
+        nearest = channels.labels[int(there.argmin())]
+        what = "is not where the table has it"
+        if nearest != label and there.min() < LARGEST_OFFSET * size:
+            what = f"is where the table has sensor {nearest}"
+        yield (
+            f"sensor {label}: {what}: {1e3 * np.linalg.norm(place - X):.0f} mm away, by its "
+            "readings"
+        )
+
+
+def _as_wired(label: str, own: Array, names: list[str]) -> list[str]:
+    """What is wrong with the channels of a sensor that reads own @ what it should."""
+    sizes = np.linalg.norm(own, axis=1)
+    which = np.abs(own).argmax(axis=1)
+    signs = np.sign(own[np.arange(3), which])
+    angles = np.rad2deg(np.arccos(np.clip(np.abs(own).max(axis=1) / sizes, -1.0, 1.0)))
+    if angles.max() > LARGEST_ANGLE or len(set(which.tolist())) < 3:
+        # Another sensor is then in its place, or it points elsewhere: its place tells.
+        return []
+    found = []
+    swapped = [names[k] for k in range(3) if which[k] != k]
+    if swapped:
+        found.append(f"sensor {label}: {' and '.join(swapped)} are exchanged")
+    found += [
+        f"sensor {label}: channel {names[k]} is reversed"
+        for k in range(3)
+        if signs[k] < 0.0 and which[k] == k
+    ]
+    gain = float(np.median(sizes))
+    if abs(gain - 1.0) > LARGEST_GAIN_ERROR:
+        found.append(f"sensor {label}: reads {gain:.2g} of what it should{_unit(gain)}")
+    else:
+        found += [
+            f"sensor {label}: channel {names[k]} reads {sizes[k]:.2g} of what it should"
+            f"{_unit(float(sizes[k]))}"
+            for k in range(3)
+            if abs(sizes[k] - 1.0) > LARGEST_GAIN_ERROR
+        ]
+    return found
+
+
+def _unit(gain: float) -> str:
+    for known, question in KNOWN_GAINS.items():
+        if abs(abs(gain) / known - 1.0) < SAME_GAIN:
+            return f": {question}"
+    return ""
+
+
+def _place(moved: Array) -> Array | None:
+    """Where a sensor is whose channels move as the rows (3, 6) say; None where that is not told."""
+    e, turned = moved[:, :3], moved[:, 3:]
+    sizes = np.linalg.norm(e, axis=1)
+    if not sizes.min() > 0.0:
+        return None
+    # X x e = t for all three: -[e]_x X = t.
+    equations = np.vstack([-_cross(row) for row in e / sizes[:, None]])
+    return np.asarray(np.linalg.lstsq(equations, (turned / sizes[:, None]).ravel(), rcond=None)[0])
+
+
+def _of_hit(wrench: Array, given: Array, X: Array, label: str, size: float) -> Iterator[str]:
+    force, strength = wrench[:3], float(np.linalg.norm(wrench[:3]))
+    if not strength > 0.0:
+        yield f"hit {label}: no channel has seen it"
+        return
+    cosine = float(force @ given[:3]) / strength
+    angle = float(np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    if angle > 180.0 - LARGEST_ANGLE:
+        yield f"hit {label} has the other direction: the table wants that of the force on the part"
+        return
+    if angle > LARGEST_ANGLE:
+        yield f"hit {label}: {angle:.0f} degrees off the direction in the table"
+        return
+    if abs(strength - 1.0) > LARGEST_GAIN_ERROR:
+        yield f"hit {label}: a force of {strength:.2g} of what it should be{_unit(strength)}"
+    # The moment about its point, over the force, is how far its line of action passes it.
+    beside = float(np.linalg.norm(wrench[3:] - np.cross(X, force))) / strength
+    if beside > LARGEST_OFFSET * size:
+        yield f"hit {label}: {1e3 * beside:.0f} mm beside its place, by what it did"
+
+
+def _turning(X: Array) -> Array:
+    """(3, 3): theta x X for rotations theta."""
+    return -_cross(X)
+
+
+def _cross(v: Array) -> Array:
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

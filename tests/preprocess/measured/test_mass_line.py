@@ -1,0 +1,131 @@
+"""One message for each thing that is wrong with a test, and none for one that is right."""
+
+import numpy as np
+import pytest
+from duhamel import preprocess
+from duhamel.preprocess import MeasurementError
+from duhamel.preprocess.measured.mass_line import doubts_of_mass_line
+from duhamel.preprocess.measured.part import measurement_of, read_part_test
+
+from .hammer_bench import ALL, HITS, SENSORS, Errors, measure, replace, truth, with_fault
+
+NAMES = [f"{label}:{axis}" for label in SENSORS for axis in "xyz"]
+
+
+def doubts(bench, folder, edit=None):
+    path = bench.write(folder)
+    if edit is not None:
+        edit(path)
+    test = read_part_test(preprocess.read_body(path))
+    center = np.array(test.body.measured.rigid.center)
+    return list(doubts_of_mass_line(measurement_of(test), test.channels, test.hits, center))
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        Errors(),
+        *(replace(ALL, seed=seed) for seed in range(1, 6)),
+        replace(ALL, mass=0.008),
+        replace(ALL, window=9.2),
+    ],
+    ids=["exact", "1", "2", "3", "4", "5", "heavy sensors", "window"],
+)
+def test_a_test_that_is_right_has_no_doubts(errors, tmp_path):
+    assert doubts(measure(errors), tmp_path) == []
+
+
+def scaled(name, factor):
+    def change(H):
+        H[:, [k for k, channel in enumerate(NAMES) if channel.startswith(name)]] *= factor
+
+    return change
+
+
+def exchanged(first, second):
+    def change(H):
+        a, b = ([k for k, n in enumerate(NAMES) if n.startswith(x)] for x in (first, second))
+        H[:, a + b] = H[:, b + a]
+
+    return change
+
+
+def hit(label, factor):
+    def change(H):
+        H[:, :, list(HITS).index(label)] *= factor
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (scaled("1:y", -1.0), "sensor 1: channel y is reversed"),
+        (scaled("8:z", -1.0), "sensor 8: channel z is reversed"),
+        (exchanged("2:x", "2:y"), "sensor 2: x and y are exchanged"),
+        (scaled("3:", 1.0 / 9.80665), "sensor 3: reads 0.1 of what it should: in g?"),
+        (scaled("7:", 1e3), "sensor 7: reads 1e+03 of what it should: in mm?"),
+        (scaled("5:z", 1.25), "sensor 5: channel z reads 1.2 of what it should"),
+        (hit("105", -1.0), "hit 105 has the other direction: the table wants that of the force"),
+        (hit("206", 1.5), "hit 206: a force of 1.5 of what it should be"),
+    ],
+)
+def test_each_wrong_wire_is_one_message(change, message, tmp_path):
+    (found,) = doubts(with_fault(measure(ALL), change), tmp_path)
+    # 1.25 with 1 % is 1.2 or 1.3 in two digits.
+    assert found.startswith(message) or found.replace("1.3", "1.2") == message
+
+
+def test_sensors_in_each_other_s_place_are_told_by_their_places(tmp_path):
+    first, second = doubts(with_fault(measure(ALL), exchanged("1:", "2:")), tmp_path)
+    assert first.startswith("sensor 1: is where the table has sensor 2: ")
+    assert second.startswith("sensor 2: is where the table has sensor 1: ")
+
+
+def table(name, old, new):
+    def edit(path):
+        text = (path.parent / name).read_text()
+        assert old in text
+        (path.parent / name).write_text(text.replace(old, new))
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (table("hits.csv", "103,0.26,0.0,0.0", "103,0.23,0.0,0.0"), "hit 103: .* beside its place"),
+        (table("hits.csv", "107,0.28,0.0,0.005,0,1", "107,0.28,0.0,0.005,1,0"), "hit 107: 9. deg"),
+        (table("channels.csv", "7,0.1525", "7,0.1125"), "sensor 7: is not where the table has it"),
+    ],
+)
+def test_wrong_lines_of_tables_are_one_message(edit, message, tmp_path):
+    (found,) = doubts(measure(ALL), tmp_path, edit)
+    assert np.char.find(found, message.split(".*")[0].split("9.")[0]) >= 0
+
+
+def test_a_wrong_mass_is_one_message(tmp_path):
+    mass = truth().element.mass
+    edit = table("angle.toml", f"mass = {mass}", f"mass = {1.15 * mass}")
+    (found,) = doubts(measure(ALL), tmp_path, edit)
+    assert "says that the part has 2.2" in found
+    heavy = replace(measure(replace(ALL, mass=0.03)), errors=ALL)
+    (found,) = doubts(heavy, tmp_path)
+    assert "kg with what is mounted on it, and [measured] has 2.247 kg" in found
+
+
+def test_a_band_without_a_mass_line_says_that_nothing_was_checked(tmp_path):
+    edit = table("angle.toml", "band = [20, 5000]", "band = [160, 5000]")
+    (found,) = doubts(measure(ALL), tmp_path, edit)
+    assert "cannot be checked" in found
+
+
+def test_warnings_and_refusals_name_what_is_wrong(tmp_path):
+    told = []
+    bench = with_fault(measure(ALL), scaled("8:z", -1.0))
+    preprocess.build(preprocess.read_body(bench.write(tmp_path)), on_warning=told.append)
+    assert [one for one in told if one.endswith("sensor 8: channel z is reversed")]
+    bench = with_fault(measure(ALL), scaled("3:", 30.0))
+    bench = replace(bench, f=bench.f[::4], H=bench.H[::4])
+    with pytest.raises(MeasurementError, match=r"differ from .*accept = 0.3; sensor 3: reads 30"):
+        preprocess.build(preprocess.read_body(bench.write(tmp_path)))
