@@ -2,6 +2,7 @@
 
 import re
 
+import duhamel as du
 import h5py
 import numpy as np
 import pytest
@@ -300,7 +301,36 @@ def test_three_directions_suffice_where_an_interface_does_not_turn(coarse, tmp_p
 
 
 def test_a_part_of_python_has_a_mesh(coarse, tmp_path):
-    import duhamel as du
-
     with pytest.raises(BodyError, match="expected a mesh or matrices, found a test alone"):
         du.Part.read(coarse.write(tmp_path))
+
+
+def held(element):
+    """The part on the ground by its foot."""
+    m = du.Mechanism()
+    angle = m.add(element, name="angle", position=element.center)
+    m.add(du.joints.Fixed(m.ground, angle["foot"]), name="weld")
+    return m
+
+
+def struck(element):
+    """The force on its top, of a steel ball of 10 mm that hits it at 1 m/s."""
+    m = held(element)
+    place = element.center + element.interface("top").X + [0.01, 0.0, 0.0]
+    ball = du.RigidBody(0.1, [4e-6] * 3)
+    ball = m.add(ball, name="ball", position=place, velocity=[-1.0, 0.0, 0.0])
+    hertz = {"stiffness": 1.54e10, "exponent": 1.5}
+    m.add(du.contacts.plane(m["angle"]["top"], ball, "x", ball=0.01, **hertz), name="strike")
+    return m.simulate(4e-4, step=2e-6).results.contact("strike").force[:, 0]
+
+
+@pytest.mark.filterwarnings(
+    "ignore:angle. modes for steps down to:duhamel.superelement.StepWarning"
+)
+def test_a_tested_part_in_a_model_vibrates_and_is_struck_as_its_mesh(tmp_path):
+    element, whole = built(measure(ALL), tmp_path), truth().element
+    found, expected = (held(part).modes(5).frequencies for part in (element, whole))
+    np.testing.assert_allclose(found, expected, rtol=0.04)
+    peaks = [struck(part).max() for part in (element, whole)]
+    assert peaks[1] > 1000.0
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
