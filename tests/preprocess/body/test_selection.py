@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from duhamel.preprocess import BodyError, InterfaceError, assemble
 from duhamel.preprocess.assembly.interfaces import attachments
-from duhamel.preprocess.body.body import Body, read_body
+from duhamel.preprocess.body.body import Body
+from duhamel.preprocess.body.reading import read_body
 from duhamel.preprocess.body.selection import Box, Cylinder, Plane, Sphere
 from duhamel.preprocess.sources.reading import read_source
 
