@@ -205,7 +205,18 @@ def _is_response(path: Path, k: int, one: Mapping[str, Any]) -> bool:
     # Nor does it say that the numbers of a set are broken off.
     if "data" not in one or "x" not in one or not np.size(one["data"]):
         raise MeasurementError(f"{path}: set {k}: expected numbers, found none that can be read")
-    return int(one["func_type"]) == RESPONSE_FUNCTION
+    if int(one["func_type"]) != RESPONSE_FUNCTION:
+        return False
+    # Programs that leave types open write 0.
+    for key, name, wanted in (
+        ("abscissa_spec_data_type", "frequencies", FREQUENCY_TYPE),
+        ("orddenom_spec_data_type", "responses per force", FORCE_TYPE),
+    ):
+        if (found := int(one.get(key) or 0)) not in (0, wanted):
+            raise MeasurementError(
+                f"{path}: set {k}: expected {name} ({wanted}), found the type {found}"
+            )
+    return True
 
 
 def _channel(

@@ -164,7 +164,7 @@ def _superelement(
 ) -> Superelement:
     body, own = test.body, test.coordinates
     asked, impulse = body.measured, body.impulse
-    band = BAND_OF_TEST * asked.band[1]
+    band = BAND_OF_TEST * float(test.data.f[-1])
     rows = np.concatenate([np.arange(q.start, q.stop) for q in own.interfaces.values()])
     order = np.argsort(free.omega)
     modes = Modes(

@@ -225,6 +225,27 @@ def test_wrong_responses_are_refused_by_name(write, message, coarse, tmp_path):
         preprocess.build(preprocess.read_body(path))
 
 
+def test_the_band_is_that_of_the_lines_there_are(coarse, tmp_path):
+    low = coarse.f < 2000.0
+    element = built(replace(coarse, f=coarse.f[low], H=coarse.H[low]), tmp_path)
+    assert element.kernel.band == pytest.approx(0.9 * coarse.f[low][-1])
+
+
+def test_responses_per_displacement_or_over_time_are_refused(coarse, tmp_path):
+    path = coarse.write(tmp_path, frf="angle.uff")
+    few = replace(coarse, f=coarse.f[:40], H=coarse.H[:40])
+    text = write_uff(tmp_path / "angle.uff", few).read_text().splitlines(keepends=True)
+    # Records 9 and 11 of a set: abscissa and denominator.
+    for record, message in ((10, r"set 1: expected frequencies \(18\)"), (12, "per force")):
+        spoilt_lines = list(text)
+        first = next(k for k, line in enumerate(text) if line.strip() == "58")
+        k = first + record - 2
+        spoilt_lines[k] = f"{17:10d}" + spoilt_lines[k][10:]
+        (tmp_path / "angle.uff").write_text("".join(spoilt_lines))
+        with pytest.raises(MeasurementError, match=message):
+            preprocess.build(preprocess.read_body(path))
+
+
 def test_uff_sets_that_cannot_be_read_or_are_missing_are_named(coarse, tmp_path):
     path = coarse.write(tmp_path, frf="angle.uff")
     few = replace(coarse, f=coarse.f[:40], H=coarse.H[:40])
