@@ -13,9 +13,6 @@ from .assembly.source import MeshSource, Resolution, Share
 from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .body.loss import damping_of
-from .body.measured_body import MeasuredBody
-from .body.reading import AnyBody
-from .errors import BodyError
 from .estimate import Frequencies, first_frequencies
 from .measured.update import read_test, with_test
 from .mesh.facets import Facets
@@ -147,13 +144,11 @@ class Survey:
         return self.facets.matching(patch.facet_type, patch.nodes[patch.facets])
 
 
-def survey(body: AnyBody, progress: bool = False) -> Survey:
+def survey(body: Body, progress: bool = False) -> Survey:
     """Read, select and assemble, without factorizing what is large; errors are those of `build`.
 
     `progress` shows the stages on the terminal.
     """
-    if isinstance(body, MeasuredBody):
-        raise BodyError("--dry-run draws meshes: expected a body with one, found a test alone")
     with (
         refused_where_singular(),
         shown_stages(progress) as stages,

@@ -11,6 +11,7 @@ from .errors import (
     SeriesWarning,
 )
 from .fields import Field, draw_fields
+from .fit import FitOfTest, draw_fit
 from .linear import (
     CampbellLine,
     ModeShape,
@@ -39,6 +40,7 @@ __all__ = [
     "Curve",
     "Field",
     "Film",
+    "FitOfTest",
     "Marker",
     "ModeShape",
     "Patch",
@@ -57,6 +59,7 @@ __all__ = [
     "draw_body_fields",
     "draw_campbell",
     "draw_fields",
+    "draw_fit",
     "draw_response",
     "draw_scene",
     "draw_shapes",

@@ -11,6 +11,7 @@ from ..arguments import TOML_SUFFIX, beside, file_argument, output_option
 from ..failures import errors_in_one_line, one_line, unwritten
 
 if TYPE_CHECKING:
+    from ...preprocess import MeasuredBody
     from ...superelement import Superelement
 
 BodyFile = Annotated[
@@ -104,9 +105,28 @@ def _survey(body_file: Path, output: Path | None) -> None:
     with errors_in_one_line(files, preprocess, view):
         body = preprocess.read_body(body_file)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
+    if isinstance(body, preprocess.MeasuredBody):
+        _survey_test(body, body_file, target)
+        return
     with errors_in_one_line(preprocess, about=body_file):
         surveyed = survey(body, progress=True)
     with errors_in_one_line(view):
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
+    typer.echo(one_line(target))
+
+
+def _survey_test(body: "MeasuredBody", body_file: Path, target: Path) -> None:
+    from rich.console import Console
+
+    from ... import preprocess, view
+    from ...preprocess.measured.part import identified
+    from ...preprocess.progress import shown_stages
+    from ..part_test import picture, report
+
+    with errors_in_one_line(preprocess, about=body_file), shown_stages(True) as stages:
+        part = identified(body, stages)
+    with errors_in_one_line(view):
+        view.save(view.draw_fit(picture(part)), target)
+    Console().print(report(part))
     typer.echo(one_line(target))

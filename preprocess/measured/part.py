@@ -1,5 +1,6 @@
 """A superelement of a part from its frequency response test."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 
@@ -22,7 +23,7 @@ from ..errors import MeasurementError
 from ..identification.identify import Identification, identify
 from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
-from ..progress import Stages, Warn
+from ..progress import Stages
 from .channels import ChannelTable, read_channels
 from .coordinates import TestCoordinates, coordinates_of
 from .frequency_data import FrequencyData, read_responses
@@ -69,28 +70,43 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     return PartTest(body, channels, hits, FrequencyData(data.f[used], data.H[used]), coordinates)
 
 
-def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
-    """The superelement of a part that is known from its test."""
+@dataclass(frozen=True, eq=False)
+class IdentifiedPart:
+    """A test, what was identified of it, and what is doubtful about it."""
+
+    test: PartTest
+    measurement: Measurement
+    found: Identification
+    doubts: tuple[str, ...]
+
+
+def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
+    """The modes of a part that is known from its test, whatever they are like."""
     with stages.stage("test"):
         test = read_part_test(body)
+        measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
-        measurement, asked = measurement_of(test), body.measured
-        center = np.array(asked.rigid.center)
+        center = np.array(body.measured.rigid.center)
         doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, center))
         found = identify(measurement)
-    fit = found.fit
+    return IdentifiedPart(test, measurement, found, (*doubts, *_doubts_of_fit(found)))
+
+
+def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
+    """The superelement of a part that is known from its test."""
+    part, asked = identified(body, stages), body.measured
+    fit = part.found.fit
     if fit.misfit > asked.accept:
         # What is wrong with the wires says more than what the fit is like.
         raise MeasurementError(
             f"{asked.frf}: the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these, expected at most measured.accept = {asked.accept:g}"
-            + "".join(f"; {doubt}" for doubt in doubts[:TOLD_DOUBTS])
+            + "".join(f"; {doubt}" for doubt in part.doubts[:TOLD_DOUBTS])
         )
-    for doubt in doubts:
+    for doubt in part.doubts:
         stages.warn(f"{asked.frf}: {doubt}")
-    _warn(test, found, stages.warn)
-    modes = _free_modes(test, found)
-    return _superelement(test, modes, fit.misfit, len(fit.omega), stages)
+    modes = _free_modes(part.test, part.found)
+    return _superelement(part.test, modes, fit.misfit, len(fit.omega), stages)
 
 
 def measurement_of(test: PartTest) -> Measurement:
@@ -144,18 +160,17 @@ def _free_modes(test: PartTest, found: Identification) -> FreeModes:
     return replace(free, shapes=free.shapes[:n])
 
 
-def _warn(test: PartTest, found: Identification, warn: Warn) -> None:
-    name, fit = test.body.measured.frf, found.fit
+def _doubts_of_fit(found: Identification) -> Iterator[str]:
+    fit = found.fit
     if fit.misfit > DOUBTED_MISFIT:
-        warn(
-            f"{name}: the responses of {len(fit.omega)} modes differ from those measured by "
+        yield (
+            f"the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these"
         )
-    signs = found.signs < DOUBTED_SIGN
-    for frequency in fit.frequencies[signs]:
-        warn(
-            f"{name}: the mode at {frequency:.5g} Hz has another shape by hits than by sensors: "
-            "are all of them where the tables say?"
+    for frequency in fit.frequencies[found.signs < DOUBTED_SIGN]:
+        yield (
+            f"the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are all of "
+            "them where the tables say?"
         )
 
 
