@@ -27,7 +27,8 @@ class TestCoordinates:
 
     outputs (n_o, q), inputs (n_i, q); rigid (q, 6): rigid motions about the center of mass;
     interfaces and sensors: the coordinates of each, sensors that have three and are at none of
-    the interfaces; places (3,) of these from the center.
+    the interfaces; places (3,) of these from the center. motions (3, q): along x, y, z, of the
+    sensors of which they are known.
     """
 
     outputs: Array
@@ -36,6 +37,7 @@ class TestCoordinates:
     interfaces: dict[str, slice]
     sensors: dict[str, slice]
     places: dict[str, Array]
+    motions: dict[str, Array]
 
 
 def coordinates_of(
@@ -86,8 +88,17 @@ def coordinates_of(
             inputs[k, len(rigid)] = 1.0
             rigid.append(_row(hits.points[k] - center, hits.directions[k]))
     q = len(rigid)
+    motions = {label: np.zeros((3, q)) for label in sensors}
+    for label, own in sensors.items():
+        motions[label][:, own] = np.eye(3)
+    for k, label in enumerate(channels.labels):
+        # A sensor at an interface moves with it in all directions, whichever it measures.
+        if name := at_sensor[label]:
+            lever, own = channels.points[k] - np.array(points[name].at), interfaces[name]
+            motions[label] = np.zeros((3, q))
+            motions[label][:, own] = [_row(lever, e)[: own.stop - own.start] for e in np.eye(3)]
     return TestCoordinates(
-        outputs[:, :q], inputs[:, :q], np.array(rigid), interfaces, sensors, places
+        outputs[:, :q], inputs[:, :q], np.array(rigid), interfaces, sensors, places, motions
     )
 
 

@@ -121,17 +121,22 @@ def _loaded_mass(test: PartTest) -> Array:
     M = np.zeros((6, 6))
     M[:3, :3] = asked.rigid.mass * np.eye(3)
     M[3:, 3:] = asked.rigid.inertia
-    for rows in _sensor_rows(test):
+    for rows in _sensor_rows(test) if asked.sensor_mass else ():
         by_rigid = rows @ test.coordinates.rigid
         M += asked.sensor_mass * by_rigid.T @ by_rigid
     return M
 
 
 def _sensor_rows(test: PartTest) -> list[Array]:
-    """The motion of each sensor (3, q) in its own directions."""
-    labels = np.array(test.channels.labels)
-    # A sensor that measures in one direction moves in the others too, which nobody has seen.
-    return [test.coordinates.outputs[labels == label] for label in dict.fromkeys(labels.tolist())]
+    """The motion of each sensor (3, q); `MeasurementError` where it is not known."""
+    known = test.coordinates.motions
+    for label in test.channels.labels:
+        if label not in known:
+            raise MeasurementError(
+                f"measured.sensor_mass: sensor {label} is at no interface, and does not measure in "
+                "three directions: where its mass moves is not known"
+            )
+    return list(known.values())
 
 
 def _free_modes(test: PartTest, found: Identification) -> FreeModes:

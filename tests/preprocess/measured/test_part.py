@@ -78,6 +78,19 @@ def test_a_tested_part_answers_as_its_mesh(errors, frequency, damping, bands, tm
     assert again.kernel.band == pytest.approx(4500.0)
 
 
+def test_the_mass_of_a_sensor_whose_motion_is_not_known_is_refused(coarse, tmp_path):
+    path = coarse.write(tmp_path, sensor_mass=0.008)
+    lines = (tmp_path / "channels.csv").read_text().splitlines()
+    gone = [k for k, line in enumerate(lines[1:]) if line.startswith("8") and line[-1] != "x"]
+    (tmp_path / "channels.csv").write_text(
+        "\n".join(line for k, line in enumerate(lines) if k - 1 not in gone)
+    )
+    kept = [k for k in range(len(NAMES)) if k not in gone]
+    np.savez(tmp_path / "angle.npz", f=coarse.f, H=coarse.H[:, kept], quantity="accelerance")
+    with pytest.raises(MeasurementError, match="sensor 8 is at no interface, and does not measure"):
+        preprocess.build(preprocess.read_body(path))
+
+
 def test_masses_of_sensors_that_are_not_told_are_in_the_modes(tmp_path):
     bench = measure(replace(ALL, mass=0.008))
     assert of_modes(built(replace(bench, errors=ALL), tmp_path))[0] > 0.02
