@@ -58,14 +58,13 @@ def coordinates_of(
         n = 6 if point.rotations else 3
         own = slice(len(rigid), len(rigid) + n)
         X = np.array(point.at)
-        for rows, table, owner in ((outputs, channels, at_sensor), (inputs, hits, at_hit)):
-            for k in (k for k, label in enumerate(table.labels) if owner[label] == name):
-                rows[k, own] = _row(table.points[k] - X, table.directions[k])[:n]
-        for key, rows, owner, table in (
-            ("channels", outputs, at_sensor, channels),
-            ("hits", inputs, at_hit, hits),
+        for key, rows, table, owner in (
+            ("channels", outputs, channels, at_sensor),
+            ("hits", inputs, hits, at_hit),
         ):
             mine = [k for k, label in enumerate(table.labels) if owner[label] == name]
+            for k in mine:
+                rows[k, own] = _row(table.points[k] - X, table.directions[k])[:n]
             _require_rank(name, key, rows[mine][:, own])
         for e in np.eye(3):
             rigid.append(_row(X - center, e))
