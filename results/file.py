@@ -68,7 +68,7 @@ class FileSource:
     def __init__(self, path: Path) -> None:
         self._path = path
         with self._open() as file:
-            require_contained(file)
+            require_contained(file, [one.name for one in QUANTITIES if one.sparse])
             _check_format(file)
             self.run = _run_of(file)
             self._contents = _read_contents(file)
