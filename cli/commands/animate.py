@@ -159,6 +159,6 @@ def told(film: "Film") -> str:
         words.append(f"deformation x {film.magnification:g}")
     if film.field:
         which = "this time" if film.frames == 1 else "all frames"
-        end = "a given limit" if film.limit < film.largest else f"the largest of {which}"
+        end = "a given limit" if film.limit != film.largest else f"the largest of {which}"
         words.append(f"colors up to {film.scale_end}, {end}")
     return ", ".join(words)

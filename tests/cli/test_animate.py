@@ -40,7 +40,8 @@ def test_the_end_of_the_scale_is_told_with_what_it_is_the_largest_of():
     assert told(many).endswith("colors up to 3.49 MPa, the largest of all frames")
     assert told(replace(many, frames=1)).endswith("3.49 MPa, the largest of this time")
     assert "colors" not in told(replace(many, field=""))
-    assert told(replace(many, limit=2e6)).endswith("colors up to 2 MPa, a given limit")
+    for limit, shown in ((2e6, "2 MPa"), (5e6, "5 MPa")):
+        assert told(replace(many, limit=limit)).endswith(f"colors up to {shown}, a given limit")
 
 
 def test_at_a_time_it_is_a_picture(runner, results_file):

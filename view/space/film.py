@@ -205,7 +205,7 @@ def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:
     scale = scale_of(stage.field, stage.limit) if stage.field else None
     ends = "of all frames" if len(when.times) > 1 else "at this time"
     ends = f"up to the\nlargest value\n{ends}"
-    if stage.field and stage.largest > stage.limit:
+    if stage.field and stage.limit != stage.largest:
         ends = f"largest value\n{scale_of(stage.field, stage.largest).text(3)}"
     return Lettering(title, tuple(notes), stage.legend, scale, ends, axes)
 
