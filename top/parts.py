@@ -11,8 +11,9 @@ from typing import Any, Literal, Self, TypedDict, Unpack
 import numpy as np
 from duhamel import preprocess, view
 from duhamel.inputs import InputError, Table, quoted, read_part
-from duhamel.preprocess.body.body import Method, PointMass, SolverName
+from duhamel.preprocess.body.body import PointMass
 from duhamel.preprocess.body.damping import Damping
+from duhamel.preprocess.body.impulse import Method, SolverName
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
 from duhamel.preprocess.body.selection import InterfaceSelection, Selection, SurfaceSelection

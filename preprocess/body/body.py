@@ -5,14 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
-    BeforeValidator,
     ConfigDict,
     Field,
     NonNegativeFloat,
     PlainSerializer,
     PositiveFloat,
-    PositiveInt,
-    PrivateAttr,
     SerializationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
@@ -20,31 +17,23 @@ from pydantic import (
 
 from ...inputs import (
     FORM_OF_NAMES,
-    Also,
     Table,
-    Vector,
     expected,
     is_name,
     quoted,
     rule,
 )
-from ...inputs.names import MAX_NAME_LENGTH
 from ...superelement import sha256
 from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
+from .impulse import Impulse, Method
 from .loads import LoadPattern
 from .material import Material, Section
 from .measured import Measured
+from .named_body import NamedBody
 from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
-
-Method = Literal["auto", "modal", "march", "krylov", "craig-bampton", "rubin"]
-SolverName = Literal["auto", "factor", "iterative"]
-# Of as many modes as are asked for.
-TRUNCATED_METHODS: tuple[Method, ...] = ("craig-bampton", "rubin")
-SHORTEST, LONGEST_STEP = 1e-30, 1e6
-"""steps [s]"""
-FilePath = Annotated[Path, Field(strict=False)]
+from .values import FilePath, InertiaTensor
 
 
 def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
@@ -72,17 +61,6 @@ else:
 MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
-def as_matrix(value: Any) -> Any:
-    """Three principal values are a diagonal matrix."""
-    if (
-        isinstance(value, list | tuple)
-        and len(value) == 3
-        and all(isinstance(entry, int | float) for entry in value)
-    ):
-        return (value[0], 0.0, 0.0), (0.0, value[1], 0.0), (0.0, 0.0, value[2])
-    return value
-
-
 class PointMass(Selection):
     """A rigid piece that moves with an interface, or with a selection on the mesh.
 
@@ -91,9 +69,7 @@ class PointMass(Selection):
     """
 
     mass: NonNegativeFloat
-    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(as_matrix), Also(Vector)] = (
-        (0.0,) * 3,
-    ) * 3
+    inertia: InertiaTensor = ((0.0,) * 3,) * 3
     interface: str | None = None
 
     @rule
@@ -120,70 +96,6 @@ class PointMass(Selection):
             )
         if not (self.mass or J.any()):
             raise ValueError("expected a mass or an inertia, found neither")
-
-
-class Impulse(Table):
-    """The impulse responses to compute: `steps` steps of `step` seconds with the scheme of rho_inf.
-
-    method: "modal" from all elastic modes, "krylov" from as many as it takes, "march" by stepping
-    the full model, "auto" the one of the first two that fits the size. tolerance: the relative
-    error of the transfer function up to `band` [Hz], half the Nyquist frequency unless given, that
-    "krylov" may make; "modal" and "march" make none. "craig-bampton" and "rubin" take `modes`, the
-    number of them, and the error follows from it. solver: "krylov" solves with the matrices of time
-    steps by a "factor", by conjugate gradients ("iterative"), or by what takes less time ("auto").
-    """
-
-    step: PositiveFloat
-    steps: PositiveInt
-    rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
-    method: Method = "auto"
-    tolerance: PositiveFloat = 1e-6
-    band: PositiveFloat | None = None
-    modes: PositiveInt | None = None
-    solver: SolverName = "auto"
-
-    @rule
-    def _of_this_world(self) -> None:
-        if not SHORTEST <= self.step <= LONGEST_STEP:
-            raise ValueError(
-                f"step: expected {SHORTEST:g} to {LONGEST_STEP:g} s, found {self.step:g}"
-            )
-        if self.band is not None and self.band < 1.0 / LONGEST_STEP:
-            raise ValueError(
-                f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
-            )
-
-    @rule
-    def _below_nyquist(self) -> None:
-        if self.band is not None and self.band > 0.5 / self.step:
-            raise ValueError(
-                "band: expected at most the Nyquist frequency of the step, "
-                f"{0.5 / self.step:g} Hz, found {self.band:g}"
-            )
-
-    @rule
-    def _solver_of_its_method(self) -> None:
-        if "solver" in self.model_fields_set and self.method not in ("auto", "krylov"):
-            raise ValueError(
-                f"solver: expected only with method krylov, found it with {self.method}"
-            )
-
-    @rule
-    def _modes_of_their_methods(self) -> None:
-        if self.method not in TRUNCATED_METHODS:
-            if self.modes is not None:
-                raise ValueError(
-                    f"modes: expected only with method {' or '.join(TRUNCATED_METHODS)}, "
-                    f"found it with {self.method}"
-                )
-            return
-        if self.modes is None:
-            raise ValueError(f"modes: method {self.method} needs a number of modes, found none")
-        if others := sorted(self.model_fields_set & {"band", "tolerance"}):
-            raise ValueError(
-                f"{' and '.join(others)}: expected only with other methods: with {self.method} "
-                "the band and its error follow from modes"
-            )
 
 
 class RecoveredFields(Table):
@@ -238,7 +150,7 @@ class Matrices(Table):
         return Matrices.model_validate({key: folder / path for key, path in self.files.items()})
 
 
-class Body(Table):
+class Body(NamedBody):
     """A body file: a mesh with materials or sections, or matrices; interfaces, or surfaces of
     solids; impulse responses.
 
@@ -271,7 +183,6 @@ class Body(Table):
         json_schema_extra={"anyOf": [{"required": ["interfaces"]}, {"required": ["surfaces"]}]}
     )
 
-    name: str
     mesh: AnyMesh | None = None
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
@@ -290,8 +201,6 @@ class Body(Table):
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
     measured: Measured | None = None
-    _text: str = PrivateAttr(default="")
-    _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @rule
     def _one_make(self) -> None:
@@ -313,10 +222,6 @@ class Body(Table):
 
     @rule
     def _own_names(self) -> None:
-        if not (0 < len(self.name) <= MAX_NAME_LENGTH and self.name.isprintable()):
-            raise ValueError(
-                f"name: expected 1 to {MAX_NAME_LENGTH} characters, found {quoted(self.name)}"
-            )
         for table in ("interfaces", "surfaces", "masses", "loads", "sensors"):
             for name in getattr(self, table):
                 if not is_name(name):
@@ -504,17 +409,6 @@ class Body(Table):
         kept = self.impulse.model_dump(include={"step", "steps", "rho_inf"})
         impulse = Impulse.model_validate({**kept, "method": method, "modes": modes})
         return self.model_copy(update={"impulse": impulse})
-
-    @property
-    def text(self) -> str:
-        """The body file as read; of a body made or changed in Python, its values in JSON."""
-        # Comments of the user are kept only while they describe the body that was built.
-        unchanged = self._text and self._as_read == self._values()
-        return self._text if unchanged else self.model_dump_json(exclude_unset=True)
-
-    def keep(self, text: str) -> None:
-        """Keep the text that it was read from."""
-        self._text, self._as_read = text, self._values()
 
     def _values(self) -> dict[str, Any]:
         """All but the paths, which depend on the folder that the file is read from."""

@@ -7,8 +7,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from ...inputs import Table, Vector, expected, rule
-
-FilePath = Annotated[Path, Field(strict=False)]
+from .values import FilePath
 
 
 class MeasuredRigid(Table):

@@ -1,14 +1,16 @@
 """The body file of a part that is known from a frequency response test alone."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat, PrivateAttr
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import FORM_OF_NAMES, Also, Table, Vector, expected, is_name, quoted, rule
+from ...inputs import FORM_OF_NAMES, Table, Vector, expected, is_name, quoted, rule
 from ...superelement import sha256
-from .body import FilePath, Impulse, as_matrix
+from .impulse import Impulse
+from .named_body import NamedBody
+from .values import FilePath, InertiaTensor
 
 MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
 
@@ -22,7 +24,7 @@ class RigidPart(Table):
 
     mass: PositiveFloat
     center: Vector
-    inertia: Annotated[tuple[Vector, Vector, Vector], BeforeValidator(as_matrix), Also(Vector)]
+    inertia: InertiaTensor
 
     @rule
     def _of_a_body(self) -> None:
@@ -82,7 +84,7 @@ class VirtualPoint(Table):
     rotations: bool = True
 
 
-class MeasuredBody(Table):
+class MeasuredBody(NamedBody):
     """A body file without a mesh: a frequency response test, interfaces, and impulse responses.
 
     Raises
@@ -105,11 +107,9 @@ class MeasuredBody(Table):
     ['angle.uff', 'channels.csv', 'hits.csv']
     """
 
-    name: str
     measured: FrequencyTest
     interfaces: Annotated[dict[str, VirtualPoint], Field(min_length=1)]
     impulse: Impulse
-    _text: str = PrivateAttr(default="")
 
     @rule
     def _own_names(self) -> None:
@@ -145,15 +145,9 @@ class MeasuredBody(Table):
     def digests(self) -> str:
         return ", ".join(map(sha256, self.files))
 
-    @property
-    def text(self) -> str:
-        """The body file as read, or its values in JSON."""
-        return self._text or self.model_dump_json(exclude_unset=True)
-
-    def keep(self, text: str) -> None:
-        """Keep the text that it was read from."""
-        self._text = text
-
     def relative_to(self, folder: Path) -> "MeasuredBody":
         """A copy whose relative paths start from a folder."""
         return self.model_copy(update={"measured": self.measured.relative_to(folder)})
+
+    def _values(self) -> dict[str, Any]:
+        return self.model_dump(exclude={"measured": {"frf", "channels", "hits"}})

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import SolverName
+from ..body.impulse import SolverName
 from ..errors import MemoryShortageError, MethodError
 from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
 from ..solving.factor import (

@@ -10,7 +10,7 @@ import numpy as np
 from ...files.memory import available
 from ...superelement.validation import Array
 from ..assembly.structure import Structure
-from ..body.body import SolverName
+from ..body.impulse import SolverName
 from ..memory import require
 from .aggregates import panel_multigrid
 from .cost import (

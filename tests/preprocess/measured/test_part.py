@@ -368,3 +368,12 @@ def test_a_tested_part_in_a_model_vibrates_and_is_struck_as_its_mesh(tmp_path):
     peaks = [struck(part).max() for part in (element, whole)]
     assert peaks[1] > 1000.0
     assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
+
+
+def test_a_body_that_was_changed_in_python_is_kept_as_it_is(coarse, tmp_path):
+    body = preprocess.read_body(coarse.write(tmp_path))
+    assert body.text == (tmp_path / "angle.toml").read_text()
+    changed = body.model_copy(update={"name": "other"})
+    assert '"name":"other"' in changed.text
+    with pytest.raises(ValueError, match=r"name: expected 1 to \d+ characters, found ''"):
+        MeasuredBody.model_validate(body.model_dump() | {"name": ""})
