@@ -17,19 +17,20 @@ class FreeModes:
     shapes: Array
 
 
-def without_masses(modes: FreeModes, rigid: Array, M: Array, masses: Array) -> FreeModes:
-    """The modes of a part without masses on some of its coordinates.
+def without_masses(
+    modes: FreeModes, rigid: Array, M: Array, motions: Array, mass_of_each: float
+) -> FreeModes:
+    """The modes of a part without equal masses m, of which A (n, q) are the motions.
 
-    In rigid and modal coordinates the mass is diag(M, I) - [U Psi]^T diag(masses) [U Psi], of which
-    the elastic motions are those that are orthogonal to the rigid ones. rigid (q, 6): U; M (6, 6):
-    of the part with the masses; masses (q,) [kg]. ValueError where no mass would be left.
+    In rigid and modal coordinates the mass is diag(M, I) - m [U Psi]^T A^T A [U Psi], of which the
+    elastic motions are those that are orthogonal to the rigid ones. rigid (q, 6): U; M (6, 6): of
+    the part with the masses. ValueError where no mass would be left.
     """
-    if not masses.any():
-        return modes
     m = len(modes.omega)
     # Modes are orthogonal with the masses, and are no longer without them.
     all_shapes = np.hstack([rigid, modes.shapes])
-    mass = scipy.linalg.block_diag(M, np.eye(m)) - all_shapes.T @ (masses[:, None] * all_shapes)
+    carried = motions @ all_shapes
+    mass = scipy.linalg.block_diag(M, np.eye(m)) - mass_of_each * carried.T @ carried
     if not np.linalg.eigvalsh(mass)[0] > 0.0:
         raise ValueError("no mass would be left")
     # Elastic motions with the rigid one that their free motion has.

@@ -73,7 +73,7 @@ class ModalFit:
         return self.omega / (2.0 * np.pi)
 
     def responses(self, measured: Measurement) -> Complex:
-        """The elastic responses at the frequencies of a measured."""
+        """The elastic responses at the frequencies of a measurement."""
         parts = [(resonances(measured.s, self.omega, self.zeta), self.shapes)]
         for omega, shapes in zip(self.rest_omega, self.rest, strict=True):
             h = resonances(measured.s, np.full(shapes.shape[1], omega), REST_DAMPING)

@@ -58,7 +58,7 @@ def read_channels(path: Path) -> ChannelTable:
 
     `MeasurementError` names the file and the line.
     """
-    rows = _rows(path)
+    rows = placed_rows(path, "channel")
     labels = [row["label"].strip() for row in rows]
     places: dict[str, Array] = {}
     points, directions = [], []
@@ -74,7 +74,7 @@ def read_channels(path: Path) -> ChannelTable:
                 f"{places[label].tolist()}"
             )
         points.append(point)
-        directions.append(channel_direction(where, row))
+        directions.append(unit_direction(where, row))
     names = _names(labels, rows)
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -82,7 +82,8 @@ def read_channels(path: Path) -> ChannelTable:
     return ChannelTable(tuple(labels), tuple(names), np.array(points), np.array(directions))
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
+def placed_rows(path: Path, kind: str) -> list[dict[str, str]]:
+    """The lines of a table of places and directions, of channels or hits."""
     columns, rows = read_rows(path)
     needed, known = {"label", "x", "y", "z"}, set(columns)
     if not needed <= known or not ("axis" in known or set(DIRECTION_COLUMNS) <= known):
@@ -91,7 +92,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
             f"{', '.join(columns) or 'none'}"
         )
     if not rows:
-        raise MeasurementError(f"{path}: expected a line for each channel, found none")
+        raise MeasurementError(f"{path}: expected a line for each {kind}, found none")
     return rows
 
 
@@ -104,7 +105,7 @@ def _names(labels: list[str], rows: list[dict[str, str]]) -> list[str]:
     return names
 
 
-def channel_direction(where: str, row: dict[str, str]) -> Array:
+def unit_direction(where: str, row: dict[str, str]) -> Array:
     axis = (row.get("axis") or "").strip()
     if axis:
         sign = -1.0 if axis.startswith("-") else 1.0

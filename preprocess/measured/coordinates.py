@@ -7,6 +7,7 @@ d there loads it with the force d and the moment (X - X_v) x d. Both have the ro
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from .hits import HitTable
 LARGEST_CONDITION = 1e4
 """of the rows of a virtual point, lengths scaled by their spread"""
 TOLD_AXES = "x", "y", "z"
+SPACE_AXES = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,15 @@ class TestCoordinates:
     motions: dict[str, Array]
 
 
+@dataclass(frozen=True, eq=False)
+class CoordinateBlock:
+    """Some coordinates: their rigid motions (n, 6), and what channels and hits are of them."""
+
+    rigid: Array
+    outputs: Mapping[int, Array]
+    inputs: Mapping[int, Array]
+
+
 def coordinates_of(
     points: Mapping[str, VirtualPoint], channels: ChannelTable, hits: HitTable, center: Array
 ) -> TestCoordinates:
@@ -49,56 +60,82 @@ def coordinates_of(
     """
     at_sensor = _interface_of(points, "channels", channels.labels)
     at_hit = _interface_of(points, "hits", hits.labels)
-    rigid: list[Array] = []
-    interfaces, sensors, places = {}, {}, {}
-    size = sum(6 if point.rotations else 3 for point in points.values())
-    size += len(channels.labels) + len(hits.labels)
-    outputs, inputs = np.zeros((len(channels.labels), size)), np.zeros((len(hits.labels), size))
-    for name, point in points.items():
-        n = 6 if point.rotations else 3
-        own = slice(len(rigid), len(rigid) + n)
-        X = np.array(point.at)
-        for key, rows, table, owner in (
-            ("channels", outputs, channels, at_sensor),
-            ("hits", inputs, hits, at_hit),
-        ):
-            mine = [k for k, label in enumerate(table.labels) if owner[label] == name]
-            for k in mine:
-                rows[k, own] = _row(table.points[k] - X, table.directions[k])[:n]
-            _require_rank(name, key, rows[mine][:, own])
-        for e in np.eye(3):
-            rigid.append(_row(X - center, e))
-        for e in np.eye(3)[: n - 3]:
-            rigid.append(np.concatenate([np.zeros(3), e]))
-        interfaces[name], places[name] = own, X - center
-    for label in dict.fromkeys(label for label in channels.labels if not at_sensor[label]):
-        mine = [k for k, other in enumerate(channels.labels) if other == label]
-        first, directions = len(rigid), channels.directions[mine]
-        X = channels.points[mine[0]] - center
-        # Only three directions make a motion that a run can be compared with.
-        triaxial = np.linalg.matrix_rank(directions) == 3
-        axes = np.eye(3) if triaxial else directions
-        outputs[mine, first : first + len(axes)] = directions if triaxial else np.eye(len(mine))
-        rigid += [_row(X, e) for e in axes]
-        if triaxial:
-            sensors[label], places[label] = slice(first, first + 3), X
-    for k, label in enumerate(hits.labels):
-        if not at_hit[label]:
-            inputs[k, len(rigid)] = 1.0
-            rigid.append(_row(hits.points[k] - center, hits.directions[k]))
-    q = len(rigid)
-    motions = {label: np.zeros((3, q)) for label in sensors}
+    others = [label for label in dict.fromkeys(channels.labels) if not at_sensor[label]]
+    blocks = [
+        *(_of_point(name, point, channels, hits, center) for name, point in points.items()),
+        *(_of_sensor(label, channels, center) for label in others),
+        *(_of_hit(k, hits, center) for k, label in enumerate(hits.labels) if not at_hit[label]),
+    ]
+    first = np.cumsum([0, *(len(block.rigid) for block in blocks)]).tolist()
+    outputs = np.zeros((len(channels.labels), first[-1]))
+    inputs = np.zeros((len(hits.labels), first[-1]))
+    owns = [slice(start, end) for start, end in pairwise(first)]
+    for block, own in zip(blocks, owns, strict=True):
+        for rows, entries in ((outputs, block.outputs), (inputs, block.inputs)):
+            for k, values in entries.items():
+                rows[k, own] = values
+    interfaces = dict(zip(points, owns, strict=False))
+    of_others = zip(others, owns[len(points) :], strict=False)
+    sensors = {label: own for label, own in of_others if _is_triaxial(channels, label)}
+    places = {name: np.array(point.at) - center for name, point in points.items()}
+    places |= {label: channels.sensors[label] - center for label in sensors}
+    motions = {}
     for label, own in sensors.items():
-        motions[label][:, own] = np.eye(3)
-    for k, label in enumerate(channels.labels):
+        motions[label] = np.zeros((3, first[-1]))
+        motions[label][:, own] = SPACE_AXES
+    for label, X in channels.sensors.items():
         # A sensor at an interface moves with it in all directions, whichever it measures.
         if name := at_sensor[label]:
-            lever, own = channels.points[k] - np.array(points[name].at), interfaces[name]
-            motions[label] = np.zeros((3, q))
-            motions[label][:, own] = [_row(lever, e)[: own.stop - own.start] for e in np.eye(3)]
-    return TestCoordinates(
-        outputs[:, :q], inputs[:, :q], np.array(rigid), interfaces, sensors, places, motions
-    )
+            own, lever = interfaces[name], X - np.array(points[name].at)
+            motions[label] = np.zeros((3, first[-1]))
+            motions[label][:, own] = [_row(lever, e)[: own.stop - own.start] for e in SPACE_AXES]
+    rigid = np.vstack([block.rigid for block in blocks])
+    return TestCoordinates(outputs, inputs, rigid, interfaces, sensors, places, motions)
+
+
+def _of_point(
+    name: str, point: VirtualPoint, channels: ChannelTable, hits: HitTable, center: Array
+) -> CoordinateBlock:
+    """The dofs of a virtual point: displacements, and rotations if it has some."""
+    n, X = 6 if point.rotations else 3, np.array(point.at)
+    rows: dict[str, dict[int, Array]] = {}
+    for key, table, labels in (
+        ("channels", channels, point.channels),
+        ("hits", hits, point.hits),
+    ):
+        rows[key] = {
+            k: _row(table.points[k] - X, table.directions[k])[:n]
+            for k, label in enumerate(table.labels)
+            if label in labels
+        }
+        _require_rank(name, key, np.array(list(rows[key].values())))
+    turns = np.hstack([np.zeros((3, 3)), SPACE_AXES])
+    rigid = np.vstack([*(_row(X - center, e) for e in SPACE_AXES), *turns])
+    return CoordinateBlock(rigid[:n], rows["channels"], rows["hits"])
+
+
+def _of_sensor(label: str, channels: ChannelTable, center: Array) -> CoordinateBlock:
+    """The motion of a sensor along x, y, z, or only along its own directions."""
+    mine = _channels_of(channels, label)
+    directions, triaxial = channels.directions[mine], _is_triaxial(channels, label)
+    axes = SPACE_AXES if triaxial else directions
+    rows = directions if triaxial else np.eye(len(mine))
+    rigid = np.array([_row(channels.points[mine[0]] - center, e) for e in axes])
+    return CoordinateBlock(rigid, dict(zip(mine, rows, strict=True)), {})
+
+
+def _channels_of(channels: ChannelTable, label: str) -> list[int]:
+    return [k for k, other in enumerate(channels.labels) if other == label]
+
+
+def _is_triaxial(channels: ChannelTable, label: str) -> bool:
+    """Whether a sensor tells a whole motion, which a run can be compared with."""
+    return bool(np.linalg.matrix_rank(channels.directions[_channels_of(channels, label)]) == 3)
+
+
+def _of_hit(k: int, hits: HitTable, center: Array) -> CoordinateBlock:
+    rigid = _row(hits.points[k] - center, hits.directions[k])[None]
+    return CoordinateBlock(rigid, {}, {k: np.ones(1)})
 
 
 def _row(lever: Array, e: Array) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..errors import MeasurementError
-from .channels import DIRECTION_COLUMNS, channel_direction, numbers_of, read_rows
+from .channels import numbers_of, placed_rows, unit_direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,24 +25,13 @@ def read_hits(path: Path) -> HitTable:
     Directions are those of the force on the part, into it. `MeasurementError` names the file and
     the line.
     """
-    columns, rows = read_rows(path)
-    known = set(columns)
-    if not {"label", "x", "y", "z"} <= known or not (
-        "axis" in known or set(DIRECTION_COLUMNS) <= known
-    ):
-        raise MeasurementError(
-            f"{path}: expected the columns label, x, y, z and either axis or dx, dy, dz, found "
-            f"{', '.join(columns) or 'none'}"
-        )
     labels, points, directions = [], [], []
-    for line, row in enumerate(rows, start=2):
+    for line, row in enumerate(placed_rows(path, "hit"), start=2):
         where = f"{path}: line {line}"
         label = row["label"].strip()
         if not label or label in labels:
             raise MeasurementError(f"{where}: label: expected another name, found {label!r}")
         labels.append(label)
         points.append(numbers_of(where, row, ("x", "y", "z")))
-        directions.append(channel_direction(where, row))
-    if not labels:
-        raise MeasurementError(f"{path}: expected a line for each hit, found none")
+        directions.append(unit_direction(where, row))
     return HitTable(tuple(labels), np.array(points), np.array(directions))

@@ -1,7 +1,7 @@
 """A superelement of a part from its frequency response test."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import metadata
 
 import numpy as np
@@ -17,18 +17,14 @@ from ...superelement import (
     Superelement,
     sample_kernel,
 )
-from ...superelement.validation import Array
 from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
 from ..identification.identify import Identification, identify
 from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
 from ..progress import Stages
-from .channels import ChannelTable, read_channels
-from .coordinates import TestCoordinates, coordinates_of
-from .frequency_data import FrequencyData, read_responses
-from .hits import HitTable, read_hits
 from .mass_line import doubts_of_mass_line
+from .part_test import PartTest, loaded_mass, measurement_of, read_part_test, sensor_motions
 from .update import SENSOR_NAME
 
 TOLD_DOUBTS = 3
@@ -38,36 +34,6 @@ DOUBTED_SIGN = 0.9
 """of the driving points of a mode: of true ones it is above 0.98"""
 BAND_OF_TEST = 0.9
 """of the highest frequency: above it the flanks of modes beyond the band are missing"""
-
-
-@dataclass(frozen=True, eq=False)
-class PartTest:
-    """All that a body file says of a test."""
-
-    body: MeasuredBody
-    channels: ChannelTable
-    hits: HitTable
-    data: FrequencyData
-    coordinates: TestCoordinates
-
-
-def read_part_test(body: MeasuredBody) -> PartTest:
-    """The test of a body, whose lines are those of its band; `MeasurementError` names the file."""
-    asked = body.measured
-    channels, hits = read_channels(asked.channels), read_hits(asked.hits)
-    center = np.array(asked.rigid.center)
-    coordinates = coordinates_of(body.interfaces, channels, hits, center)
-    data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
-    low, high = asked.band
-    # Fewer lines than coordinates cannot tell them apart.
-    used = (data.f >= low) & (data.f <= high)
-    if used.sum() < len(coordinates.rigid):
-        raise MeasurementError(
-            f"measured.band: expected {len(coordinates.rigid)} frequencies of the file from "
-            f"{low:g} to {high:g} Hz or more, found {int(used.sum())} of {data.f[0]:g} to "
-            f"{data.f[-1]:g} Hz"
-        )
-    return PartTest(body, channels, hits, FrequencyData(data.f[used], data.H[used]), coordinates)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,36 +75,6 @@ def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
     return _superelement(part.test, modes, fit.misfit, len(fit.omega), stages)
 
 
-def measurement_of(test: PartTest) -> Measurement:
-    """The measurement of the part with all that was mounted on it."""
-    own, asked = test.coordinates, test.body.measured
-    s = np.asarray(2j * np.pi * test.data.f + asked.window, dtype=complex)
-    return Measurement(s, test.data.H, own.outputs, own.inputs, own.rigid, _loaded_mass(test))
-
-
-def _loaded_mass(test: PartTest) -> Array:
-    asked = test.body.measured
-    M = np.zeros((6, 6))
-    M[:3, :3] = asked.rigid.mass * np.eye(3)
-    M[3:, 3:] = asked.rigid.inertia
-    for rows in _sensor_rows(test) if asked.sensor_mass else ():
-        by_rigid = rows @ test.coordinates.rigid
-        M += asked.sensor_mass * by_rigid.T @ by_rigid
-    return M
-
-
-def _sensor_rows(test: PartTest) -> list[Array]:
-    """The motion of each sensor (3, q); `MeasurementError` where it is not known."""
-    known = test.coordinates.motions
-    for label in test.channels.labels:
-        if label not in known:
-            raise MeasurementError(
-                f"measured.sensor_mass: sensor {label} is at no interface, and does not measure in "
-                "three directions: where its mass moves is not known"
-            )
-    return list(known.values())
-
-
 def _free_modes(test: PartTest, found: Identification) -> FreeModes:
     fit, own, mass = found.fit, test.coordinates, test.body.measured.sensor_mass
     # The rest becomes modes like all others, beyond the band.
@@ -150,19 +86,12 @@ def _free_modes(test: PartTest, found: Identification) -> FreeModes:
     )
     if not mass:
         return modes
-    rows = np.vstack(_sensor_rows(test))
-    n = len(own.rigid)
-    # Masses move with sensors, which are further coordinates here.
-    wide = replace(modes, shapes=np.vstack([modes.shapes, rows @ modes.shapes]))
-    masses = np.concatenate([np.zeros(n), np.full(len(rows), mass)])
-    rigid = np.vstack([own.rigid, rows @ own.rigid])
     try:
-        free = without_masses(wide, rigid, _loaded_mass(test), masses)
+        return without_masses(modes, own.rigid, loaded_mass(test), sensor_motions(test), mass)
     except ValueError as error:
         raise MeasurementError(
             f"measured.sensor_mass: expected less than the modes of the test have, found {mass:g}"
         ) from error
-    return replace(free, shapes=free.shapes[:n])
 
 
 def _doubts_of_fit(found: Identification) -> Iterator[str]:

@@ -5,7 +5,7 @@ import pytest
 from duhamel import preprocess
 from duhamel.preprocess import MeasurementError
 from duhamel.preprocess.measured.mass_line import doubts_of_mass_line
-from duhamel.preprocess.measured.part import measurement_of, read_part_test
+from duhamel.preprocess.measured.part_test import measurement_of, read_part_test
 
 from .hammer_bench import ALL, HITS, SENSORS, Errors, measure, replace, truth, with_fault
 

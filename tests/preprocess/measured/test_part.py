@@ -78,6 +78,18 @@ def test_a_tested_part_answers_as_its_mesh(errors, frequency, damping, bands, tm
     assert again.kernel.band == pytest.approx(4500.0)
 
 
+def test_three_channels_in_a_plane_are_no_sensor_of_a_body(coarse, tmp_path):
+    path = coarse.write(tmp_path, accept=1.0)
+    lines = (tmp_path / "channels.csv").read_text().splitlines()
+    half = f"{np.sqrt(0.5):.6f}"
+    dxyz = {"x": "1,0,0", "y": "0,1,0", "z": "0,0,1"}
+    turned = [f"{line[:-1]}{dxyz[line[-1]]}" for line in lines[1:]]
+    turned[-1] = turned[-1].replace("0,0,1", f"{half},{half},0")
+    (tmp_path / "channels.csv").write_text("\n".join(["label,x,y,z,dx,dy,dz", *turned]))
+    element = preprocess.build(preprocess.read_body(path))
+    assert [sensor.name for sensor in element.sensors] == ["measured_7"]
+
+
 def test_the_mass_of_a_sensor_whose_motion_is_not_known_is_refused(coarse, tmp_path):
     path = coarse.write(tmp_path, sensor_mass=0.008)
     lines = (tmp_path / "channels.csv").read_text().splitlines()
@@ -273,6 +285,9 @@ def test_uff_sets_that_cannot_be_read_or_are_missing_are_named(coarse, tmp_path)
         preprocess.build(preprocess.read_body(path))
     (tmp_path / "angle.uff").write_text(text + "    -1\n    -1\n")
     with pytest.raises(MeasurementError, match=r"set 481: expected a UFF set, found none"):
+        preprocess.build(preprocess.read_body(path))
+    (tmp_path / "angle.uff").write_text(text.replace("E+", "no", 3).replace("e+", "no", 3))
+    with pytest.raises(MeasurementError, match=r"angle.uff: not a readable UFF file"):
         preprocess.build(preprocess.read_body(path))
     (tmp_path / "angle.uff").write_text("    -1\n   151\n    -1\n")
     with pytest.raises(

@@ -1,0 +1,75 @@
+"""The test of a part: its tables, its responses, and the measurement that they make."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..body.measured_body import MeasuredBody
+from ..errors import MeasurementError
+from ..identification.responses import Measurement
+from .channels import ChannelTable, read_channels
+from .coordinates import TestCoordinates, coordinates_of
+from .frequency_data import FrequencyData, read_responses
+from .hits import HitTable, read_hits
+
+
+@dataclass(frozen=True, eq=False)
+class PartTest:
+    """All that a body file says of a test."""
+
+    body: MeasuredBody
+    channels: ChannelTable
+    hits: HitTable
+    data: FrequencyData
+    coordinates: TestCoordinates
+
+
+def read_part_test(body: MeasuredBody) -> PartTest:
+    """The test of a body, whose lines are those of its band; `MeasurementError` names the file."""
+    asked = body.measured
+    channels, hits = read_channels(asked.channels), read_hits(asked.hits)
+    center = np.array(asked.rigid.center)
+    coordinates = coordinates_of(body.interfaces, channels, hits, center)
+    data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
+    low, high = asked.band
+    # Fewer lines than coordinates cannot tell them apart.
+    used = (data.f >= low) & (data.f <= high)
+    if used.sum() < len(coordinates.rigid):
+        raise MeasurementError(
+            f"measured.band: expected {len(coordinates.rigid)} frequencies of the file from "
+            f"{low:g} to {high:g} Hz or more, found {int(used.sum())} of {data.f[0]:g} to "
+            f"{data.f[-1]:g} Hz"
+        )
+    return PartTest(body, channels, hits, FrequencyData(data.f[used], data.H[used]), coordinates)
+
+
+def measurement_of(test: PartTest) -> Measurement:
+    """The measurement of the part with all that was mounted on it."""
+    own, asked = test.coordinates, test.body.measured
+    s = np.asarray(2j * np.pi * test.data.f + asked.window, dtype=complex)
+    return Measurement(s, test.data.H, own.outputs, own.inputs, own.rigid, loaded_mass(test))
+
+
+def loaded_mass(test: PartTest) -> Array:
+    """Mass and inertia (6, 6) about the center of the part with its sensors."""
+    asked = test.body.measured
+    M = np.zeros((6, 6))
+    M[:3, :3] = asked.rigid.mass * np.eye(3)
+    M[3:, 3:] = asked.rigid.inertia
+    if asked.sensor_mass:
+        by_rigid = sensor_motions(test) @ test.coordinates.rigid
+        M += asked.sensor_mass * by_rigid.T @ by_rigid
+    return M
+
+
+def sensor_motions(test: PartTest) -> Array:
+    """The motions (3 n, q) of all sensors along x, y, z; `MeasurementError` if one is not known."""
+    known = test.coordinates.motions
+    for label in test.channels.labels:
+        if label not in known:
+            raise MeasurementError(
+                f"measured.sensor_mass: sensor {label} is at no interface, and does not measure in "
+                "three directions: where its mass moves is not known"
+            )
+    return np.vstack(list(known.values()))
