@@ -12,10 +12,10 @@ from .shapes import ResidueShape, passive_rest, residues, shape_of
 
 REST_PLACES = 1.06, 1.6
 """frequencies of what stands for modes beyond the band, over the highest one: one of them alone
-makes three times the error in its upper half"""
+makes twice the error"""
 LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
-"""of a residue that is a mode: those of spurious poles have defects of 0.94 to 1, or the wrong
-sign"""
+"""of a residue that is a mode: those of true ones are within 0.05 and above 0.99, spurious poles
+have defects from 0.6 on, or the wrong sign"""
 FURTHER_MODES, LEAST_GAIN = 5, 0.03
 """how many modes are added where the misfit is largest, and what each of them must take off it"""
 NOTHING_MISSING = 1e-3

@@ -31,7 +31,7 @@ TOLD_DOUBTS = 3
 DOUBTED_MISFIT = 0.1
 """of a fit, of which a warning tells"""
 DOUBTED_SIGN = 0.9
-"""of the driving points of a mode: of true ones it is above 0.98"""
+"""of the driving points of a mode: of true ones it is above 0.99"""
 BAND_OF_TEST = 0.9
 """of the highest frequency: above it the flanks of modes beyond the band are missing"""
 

@@ -49,6 +49,8 @@ HITS = {
 }
 STRUCK = {"foot": "1", "top": "2"}
 """first digit of the hits around each interface"""
+CORDS = "h301", "h302", "s1"
+"""where the part hangs"""
 BAND = 20.0, 5000.0
 
 
@@ -56,7 +58,7 @@ BAND = 20.0, 5000.0
 class Errors:
     """Of a test: relative noise and its floor [1/kg], degrees and meters of sensors and hits, gain.
 
-    mass: of each sensor [kg]; window [1/s].
+    mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz].
     """
 
     noise: float = 0.0
@@ -66,6 +68,7 @@ class Errors:
     gain: float = 0.0
     mass: float = 0.0
     window: float = 0.0
+    cords: float = 0.0
     seed: int = 1
 
 
@@ -205,13 +208,16 @@ def measure(errors: Errors = Errors()) -> Bench:
     out = tuple(np.vstack(rows) for rows in zip(*outputs, strict=True))
     into = tuple(np.vstack(rows) for rows in zip(*inputs, strict=True))
     H = part.accelerance(s, out, into)
-    if errors.mass:
-        at = [part.rows(f"s{label}") for label in SENSORS]
-        at = tuple(np.vstack(rows) for rows in zip(*at, strict=True))
-        own = part.accelerance(s, at, at)
-        still = np.linalg.solve(
-            np.eye(own.shape[1]) / errors.mass + own, part.accelerance(s, at, into)
-        )
+    if errors.mass or errors.cords:
+        # What is mounted pushes back with Z times its acceleration: its mass, or k / s^2 of a cord.
+        mounted = [(part.rows(f"s{label}"), np.full(len(s), errors.mass)) for label in SENSORS]
+        stiffness = part.element.mass * (2.0 * np.pi * errors.cords) ** 2 / len(CORDS)
+        mounted += [(part.rows(name), stiffness / s**2) for name in CORDS]
+        mounted = [one for one in mounted if np.abs(one[1]).max() > 0.0]
+        at = tuple(np.vstack(rows) for rows in zip(*(rows for rows, _ in mounted), strict=True))
+        Z = np.repeat(np.array([pushed for _, pushed in mounted]), 3, axis=0).T
+        own = np.eye(Z.shape[1]) / Z[:, None, :] + part.accelerance(s, at, at)
+        still = np.linalg.solve(own, part.accelerance(s, at, into))
         H = H - part.accelerance(s, out, at) @ still
 
     def noise() -> np.ndarray:
