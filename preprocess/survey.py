@@ -198,7 +198,7 @@ def _surface_cost(structure: Structure, source: MeshSource, band: float) -> Surf
         for p, _ in source.boundary()
     )
     modes = 9.0 * volume / wave**3 + 0.75 * np.pi * area / wave**2
-    fields = 0 if structure.surfaces.fields is None else structure.surfaces.fields.shape[0]
+    fields = structure.surfaces.fields.shape[0]
     build = surface_cost(structure.n_u, structure.K.nnz, columns, fields, modes)
     return SurfaceCost(columns, fields, modes, build)
 

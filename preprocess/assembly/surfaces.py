@@ -27,12 +27,13 @@ MIN_NODES, MAX_NODES = 10, 1000
 class Patches:
     """The surfaces of a body, and the displacements (3 n, n_u), sparse, of all their nodes.
 
-    fields: displacements, then stresses if asked for, of all points of the recovery, sparse.
+    fields: displacements, then stresses if asked for, of all points of the recovery, sparse; no
+    rows without one.
     """
 
     surfaces: tuple[Surface, ...]
     rows: Any
-    fields: Any | None = None
+    fields: Any
 
 
 def selected_surfaces(
@@ -54,7 +55,7 @@ def selected_surfaces(
             raise InterfaceError(f"{source.name}: surfaces.{name}: {error}") from error
         surfaces.append(found)
     nodes = np.concatenate([found.nodes for found in surfaces])
-    fields = None
+    fields = T[:0]
     if body.recovery is not None:
         points = source.field_points(body.recovery.stress)
         fields = sp.vstack([points.displacement_rows(T), points.stress_rows(T)], format="csr")

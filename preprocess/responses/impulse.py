@@ -37,7 +37,7 @@ class ImpulseResponses:
     surface_compliance: Array | None = None
     """H (3 n, 3 n) of the nodes of surfaces, None where there are none"""
     surface_fields: Array | None = None
-    """static rest of `Patches.fields` to forces on these nodes, None without them"""
+    """static rest of `Patches.fields` to forces on these nodes"""
 
 
 def require_memory(steps: int, n_c: int) -> None:

@@ -34,7 +34,7 @@ class SurfaceResponses:
     shapes: Shapes
     error: float
     H: Array
-    fields: Array | None = None
+    fields: Array
 
 
 def surface_responses(request: Request) -> SurfaceResponses:
@@ -68,33 +68,31 @@ def require_compliance_room(structure: Structure) -> None:
     rows = patches.rows.shape[0]
     H, panels = 8.0 * rows**2, 4.0 * 8.0 * structure.n_u * min(rows, COLUMNS_AT_ONCE)
     needs = {f"the compliance of {rows // 3} nodes of surfaces": 2.0 * H + panels, "its file": H}
-    if patches.fields is not None:
+    if values := patches.fields.shape[0]:
         # In single precision, rounded, and as the superelement has them.
-        needs["the fields of forces on them"] = 16.0 * rows * patches.fields.shape[0]
+        needs["the fields of forces on them"] = 16.0 * rows * values
     require(needs, "fewer or smaller surfaces, or a coarser mesh there, would do")
 
 
 def static_responses(
     structure: Structure, solve: Solve, modes: Modes, shapes: Shapes, watch: Watch
-) -> tuple[Array, Array | None]:
+) -> tuple[Array, Array]:
     """P_S P K^+ P^T P_S^T (3 n, 3 n) [m/N], symmetric, and the rest of fields P_F (k, 3 n).
 
         H_FS - phi_F diag(1 / omega^2) phi_S^T
 
-    solve: f -> P K^+ f. The rest is in single precision, as files keep it, and None without fields.
-    `MeshError` where rounding leaves an asymmetry of more than `MAX_COMPLIANCE_ASYMMETRY`.
+    solve: f -> P K^+ f. The rest is in single precision, as files keep it. `MeshError` where
+    rounding leaves an asymmetry of more than `MAX_COMPLIANCE_ASYMMETRY`.
     """
     patches = structure.surfaces
     assert patches is not None
     n = patches.rows.shape[0]
-    H, wanted = np.empty((n, n)), patches.fields
-    if wanted is None:
-        wanted = patches.rows[:0]
-    fields = np.empty((wanted.shape[0], n), dtype=np.float32)
-    by_modes, phi = shapes(wanted) / modes.omega**2, shapes(patches.rows)
+    H = np.empty((n, n))
+    fields = np.empty((patches.fields.shape[0], n), dtype=np.float32)
+    by_modes, phi = shapes(patches.fields) / modes.omega**2, shapes(patches.rows)
     for columns, u in _static_solutions(structure, solve, watch):
         H[:, columns] = patches.rows @ u
-        fields[:, columns] = wanted @ u - by_modes @ phi[columns].T
+        fields[:, columns] = patches.fields @ u - by_modes @ phi[columns].T
     scale = np.sqrt(H.diagonal())
     found = float((np.abs(H - H.T) / np.outer(scale, scale)).max())
     if not found <= MAX_COMPLIANCE_ASYMMETRY:
@@ -103,7 +101,7 @@ def static_responses(
             f"found differences of {found:.1e} of its diagonal: the body is far too slender for "
             "its mesh, or of materials of many orders of magnitude"
         )
-    return 0.5 * (H + H.T), None if patches.fields is None else fields
+    return 0.5 * (H + H.T), fields
 
 
 def _static_solutions(
