@@ -1,0 +1,1 @@
+"""Impacts of surfaces: the parts that meet, and an explicit code of our own."""
