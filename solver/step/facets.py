@@ -190,7 +190,7 @@ def _box_along_facet(f: int, n_nodes: int, work: SurfaceWork) -> None:
 
 @compiled
 def _unit(v: Vector) -> Vector:
-    # Of a facet without area nothing can be told: its box is a point.
+    # Across a facet without area its cuboid has no end, and bounds nothing.
     size = math.sqrt(dot(v, v))
     return scale(1.0 / size, v) if size > 0.0 else v
 
