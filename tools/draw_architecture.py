@@ -46,6 +46,7 @@ ABOUT = {
     "preprocess/identification": "modes from measured responses",
     "preprocess/rotation": "second order in a few coordinates",
     "preprocess/measured": "models that follow a test",
+    "preprocess/hammer": "simulated tests of meshes",
     "preprocess/estimate": "time and memory to expect",
     "preprocess/recovery": "fields on the surface",
     "preprocess/outline": "what a body looks like",

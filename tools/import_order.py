@@ -43,6 +43,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "rotation",
         "identification",
         "measured",
+        "hammer",
         "estimate",
         "recovery",
         "outline",

@@ -10,9 +10,10 @@ from ..errors import BodyError
 from ..mesh.mesh import Mesh
 from ..mesh.writing import write_mesh
 from .body import Body
+from .reading import AnyBody
 
 
-def write_body(body: Body, path: str | os.PathLike[str]) -> None:
+def write_body(body: AnyBody, path: str | os.PathLike[str]) -> None:
     """Write a body as a file that reads back to an equal one; it appears whole or not at all.
 
     Paths of meshes and matrices are relative to the new file. A mesh in memory is written beside
@@ -20,7 +21,7 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
 
     Parameters
     ----------
-    body : Body
+    body : Body or MeasuredBody
     path : path
 
     Raises
@@ -44,7 +45,7 @@ def write_body(body: Body, path: str | os.PathLike[str]) -> None:
     path = Path(path)
     # Only what was given: defaults may change, and a file is to stay as its author meant it.
     table = body.model_dump(exclude_unset=True, exclude_none=True)
-    if isinstance(body.mesh, Mesh):
+    if isinstance(body, Body) and isinstance(body.mesh, Mesh):
         beside = path.with_suffix(".vtu")
         write_mesh(body.mesh, beside)
         table["mesh"] = beside.name

@@ -1,4 +1,4 @@
-"""Rows that read displacements and strains at a point of a mesh of solids."""
+"""Rows that read displacements, their gradients and strains at a point of a mesh of solids."""
 
 from typing import Any
 
@@ -19,6 +19,15 @@ def displacement_rows(mesh: Mesh, place: Location) -> Any:
     solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
     N = solid.N(place.xi[:, None])[:, 0]
     blocks = np.einsum("k,ij->ikj", N, np.eye(3)).reshape(3, -1)
+    return in_columns(blocks, node_dofs(cell[None], 3)[0], 3 * len(mesh.points))
+
+
+def gradient_rows(mesh: Mesh, place: Location) -> Any:
+    """Rows (9, 3 n), sparse: the gradient du_i / dx_j at a point, all j of the first i first."""
+    solid, cell = solid_element(place.kind), mesh.cells[place.kind][place.row]
+    dN = solid.dN(place.xi[:, None])[:, :, 0]
+    by_place = dN @ np.linalg.inv(mesh.points[cell].T @ dN)
+    blocks = np.einsum("kj,il->ijkl", by_place, np.eye(3)).reshape(9, -1)
     return in_columns(blocks, node_dofs(cell[None], 3)[0], 3 * len(mesh.points))
 
 

@@ -27,12 +27,7 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array,
 
     `MeasurementError` names the file, the set, what was found and what was expected.
     """
-    try:
-        import pyuff
-    except ImportError as error:
-        raise MeasurementError(
-            f"{path}: reading UFF takes pyuff: pip install 'duhamel[measured]'"
-        ) from error
+    pyuff = pyuff_module(path, "reading")
     # pyuff raises plain exceptions.
     with about(path, MeasurementError, "file", "not a readable UFF file", (Exception,)):
         file = pyuff.UFF(str(path))
@@ -77,6 +72,17 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array,
     if len(quantities) > 1:
         raise MeasurementError(f"{path}: expected one quantity, found {sorted(quantities)}")
     return first, H, quantities.pop()
+
+
+def pyuff_module(path: Path, doing: str) -> Any:
+    """pyuff, an extra; `MeasurementError` where it is not installed."""
+    try:
+        import pyuff
+    except ImportError as error:
+        raise MeasurementError(
+            f"{path}: {doing} UFF takes pyuff: pip install 'duhamel[measured]'"
+        ) from error
+    return pyuff
 
 
 def _is_response(path: Path, k: int, one: Mapping[str, Any]) -> bool:

@@ -1,0 +1,92 @@
+"""How far a part that is identified from a test is from the part that was tested."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ...files.arrays import Array
+from ...superelement import Superelement
+from .struck_part import StruckPart, stacked_motions
+
+SAME_MODE = 0.02
+"""relative difference of frequencies within which a mode is found"""
+COMPARED_LINES = 1200
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedErrors:
+    """Errors of an identified part, relative, in the band that it states.
+
+    found, modes: how many of the modes of the part it has; frequency, damping: the largest errors
+    of these; responses (3,): root mean squares of the accelerances of all interfaces, over those of
+    the part, in each third of the band.
+    """
+
+    found: int
+    modes: int
+    frequency: float
+    damping: float
+    responses: Array
+
+
+def predicted_errors(part: StruckPart, element: Superelement, lowest: float) -> PredictedErrors:
+    """The errors of a superelement that a test from `lowest` [Hz] on made of a part."""
+    modes, highest = element.modes, element.kernel.band
+    assert modes is not None
+    assert highest is not None
+    # Beyond its band the superelement states no error.
+    true = np.flatnonzero(part.modes.resonances < 2.0 * np.pi * highest)
+    omega, zeta = part.modes.resonances[true], part.damping[true]
+    apart = np.abs(np.log(modes.omega[None] / omega[:, None]))
+    # One to one: a mode that was found twice is not another one.
+    rows, columns = linear_sum_assignment(apart)
+    same = apart[rows, columns] < SAME_MODE
+    rows, columns = rows[same], columns[same]
+    return PredictedErrors(
+        found=len(rows),
+        modes=len(true),
+        frequency=float(apart[rows, columns].max(initial=0.0)),
+        damping=float(np.abs(modes.zeta[columns] / zeta[rows] - 1.0).max(initial=0.0)),
+        responses=_of_responses(part, element, np.linspace(lowest, highest, COMPARED_LINES)),
+    )
+
+
+def _of_responses(part: StruckPart, element: Superelement, f: Array) -> Array:
+    s = np.asarray(2j * np.pi * f, dtype=complex)
+    found = _at_interfaces(element)
+    own = [found.at_interface(interface.name) for interface in element.interfaces]
+    true = []
+    for interface, motion in zip(element.interfaces, own, strict=True):
+        whole_motion = part.at_interface(interface.name)
+        # Of a point that does not turn in the test, the displacements.
+        true.append(whole_motion.along(np.eye(len(motion.rigid), len(whole_motion.rigid))))
+    H = found.accelerance(s, stacked_motions(own), stacked_motions(own))
+    expected = part.accelerance(s, stacked_motions(true), stacked_motions(true))
+    # Rotations and displacements have different units: each dof counts by its own responses.
+    size = np.sqrt(np.abs(np.einsum("kaa->ka", expected)).mean(axis=0))
+    weighted = np.outer(size, size)
+    difference, whole = np.abs((H - expected) / weighted) ** 2, np.abs(expected / weighted) ** 2
+    thirds = zip(
+        np.array_split(difference.sum(axis=(1, 2)), 3),
+        np.array_split(whole.sum(axis=(1, 2)), 3),
+        strict=True,
+    )
+    return np.array([float(np.sqrt(a.sum() / b.sum())) for a, b in thirds])
+
+
+def _at_interfaces(element: Superelement) -> StruckPart:
+    assert element.modes is not None
+    none = np.zeros((0, 3))
+    m = len(element.modes.omega)
+    return StruckPart(
+        element.name,
+        element.mass,
+        element.J_rot,
+        element.center,
+        element.interfaces,
+        element.modes,
+        none,
+        np.zeros((0, 3, m)),
+        np.zeros((0, 3, 3, m)),
+    )
