@@ -177,8 +177,9 @@ def _kernel(kernel: Kernel) -> Iterator[Row]:
 
 
 def _provenance(source: Provenance) -> Iterator[Row]:
-    yield "mesh", source.mesh
-    yield "mesh SHA-256", source.mesh_sha256
+    origin = "test" if source.tested else "mesh"
+    yield origin, source.mesh
+    yield f"{origin} SHA-256", source.mesh_sha256
     yield "method", f"{source.method}, tolerance {source.tolerance:.3g}"
     yield "versions", ", ".join(f"{name} {version}" for name, version in source.versions.items())
     yield (

@@ -235,6 +235,19 @@ _CRITERIA_IN_ORDER = (
         measures="the error that the superelement of a body states, and that of a memory cut off",
     ),
     Criterion(
+        "test_misfit",
+        "body",
+        "misfit to the test of the body",
+        "",
+        0.1,
+        0.3,
+        "see `duhamel preprocess --dry-run` for the worst channels and hits",
+        measures=(
+            "the difference of the responses of a part that is known from its test alone from "
+            "those that were measured, noise included"
+        ),
+    ),
+    Criterion(
         "kernel_band",
         "body",
         "fastest vibration / band of the superelement",

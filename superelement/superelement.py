@@ -28,6 +28,10 @@ class StepWarning(UserWarning):
     """A step so fine that the modes of a body leave out frequencies that it would resolve."""
 
 
+TESTED_METHOD = "measured with"
+"""how the method begins of a part that is known from its test alone"""
+
+
 @dataclass(frozen=True)
 class Provenance:
     """The origin of a superelement: enough to make it again and to recognize it.
@@ -50,6 +54,11 @@ class Provenance:
     versions: Mapping[str, str] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)
     """seconds by stage"""
+
+    @property
+    def tested(self) -> bool:
+        """Whether the modes were identified from a test, against which their error is stated."""
+        return self.method.startswith(TESTED_METHOD)
 
 
 @dataclass(frozen=True, eq=False)

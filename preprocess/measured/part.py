@@ -17,6 +17,7 @@ from ...superelement import (
     Superelement,
     sample_kernel,
 )
+from ...superelement.superelement import TESTED_METHOD
 from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
 from ..identification.identify import Identification, identify
@@ -145,7 +146,7 @@ def _superelement(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
             mesh_sha256=body.digests,
-            method=f"measured with {count} modes, misfit {misfit:.2g} of the responses",
+            method=f"{TESTED_METHOD} {count} modes, misfit {misfit:.2g} of the responses",
             tolerance=asked.accept,
             versions={name: metadata.version(name) for name in ("duhamel", "numpy", "scipy")},
             timings=stages.seconds,

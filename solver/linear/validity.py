@@ -71,6 +71,7 @@ LINEAR_CRITERIA = {
         CRITERIA["contact_arm"],
         CRITERIA["hertz_radius"],
         CRITERIA["kernel_error"],
+        CRITERIA["test_misfit"],
         Criterion(
             "linear_band",
             "body",
@@ -139,7 +140,7 @@ def _of_deformation(pose: Pose, e: int, body: FlexibleBody) -> Iterator[Check]:
 
 def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator[tuple[str, float]]:
     kernel, modes, spin = body.superelement.kernel, body.superelement.modes, pose.speed
-    yield "kernel_error", kernel.error
+    yield "test_misfit" if body.superelement.provenance.tested else "kernel_error", kernel.error
     if highest > 0.0:
         band = body.superelement.band
         if np.isfinite(band):

@@ -58,6 +58,13 @@ def _missing_stress(reading: Reading) -> Array:
     return stresses
 
 
+def _kernel_errors(reading: Reading) -> Array:
+    """The errors that superelements state, with those of a memory that is cut off."""
+    lowered = reading.lowered
+    stated = np.array([element.kernel.error for element in lowered.superelements])
+    return np.asarray(stated + lowered.responses.truncations)
+
+
 def _joint_turns(reading: Reading) -> Array:
     """Turns in a step of bodies with a joint off the axis that they spin about at last."""
     lowered, subjects, state = reading.lowered, reading.subjects, reading.state
@@ -247,11 +254,13 @@ _LIST = (
     Measure("steps_per_period", lambda s: s.lowered.body_names, _steps_per_period),
     Measure(
         "kernel_error",
-        lambda s: s.bodies,
-        lambda r: (
-            np.array([e.kernel.error for e in r.lowered.superelements])
-            + r.lowered.responses.truncations
-        ),
+        lambda s: s.of_bodies(~s.tested),
+        lambda r: _kernel_errors(r)[~r.subjects.tested],
+    ),
+    Measure(
+        "test_misfit",
+        lambda s: s.of_bodies(s.tested),
+        lambda r: _kernel_errors(r)[r.subjects.tested],
     ),
     Measure(
         "kernel_band",

@@ -25,6 +25,8 @@ class Subjects:
         elements = lowered.superelements
         elastic, frames = lowered.system.elastic, lowered.system.frames
         self.bodies = [*lowered.model.flexible_bodies]
+        self.tested: Mask = np.array([e.provenance.tested for e in elements], bool)
+        """flexible bodies whose error is a misfit to their test"""
         self.second: Mask = elastic.second.r > 0
         """flexible bodies with terms of second order"""
         self.stiffened = self.second & np.array([_stiffens(element) for element in elements], bool)

@@ -127,7 +127,7 @@ def test_the_validity_in_the_file_is_that_in_memory(hub_and_beam, coarse_beam, t
     assert [check.criterion.name for check in read.worst] == [
         name
         for name, criterion in CRITERIA.items()
-        if name != "set_changes"
+        if name not in ("set_changes", "test_misfit")
         and criterion.owner not in ("spring", "contact", "motor", "free body")
         and name not in (*OF_SECOND_ORDER, "missing_stress")
     ]
@@ -291,6 +291,19 @@ def test_a_body_that_does_not_vibrate_has_no_frequency(coarse):
     results = simulate(model_of({"beam": FlexibleBody(coarse)}, t_end=0.01, gravity=[0, 0, -9.81]))
     assert np.isnan(value(results, "steps_per_period"))
     assert not results.validity.warnings
+
+
+def test_the_error_of_a_tested_part_is_a_misfit():
+    element = one_mode(2.0 * np.pi * 50.0)
+    element = replace(
+        element,
+        kernel=replace(element.kernel, error=0.06),
+        provenance=replace(element.provenance, method="measured with 1 modes, misfit 0.06"),
+    )
+    results = simulate(pushed(element, Impulse(1.0, 0.0)))
+    assert value(results, "test_misfit") == 0.06
+    assert not results.validity.values("kernel_error")
+    assert not [line for line in results.validity.warnings if "misfit" in line]
 
 
 def test_the_error_and_the_band_of_a_kernel_are_those_of_its_superelement():
