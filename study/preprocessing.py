@@ -21,6 +21,10 @@ class Preprocessing:
         "matrices.mass",
         "matrices.nodes",
         "matrices.dofs",
+        "measured.frf",
+        "measured.modes",
+        "measured.channels",
+        "measured.hits",
     )
     columns: ClassVar[tuple[str, ...]] = ("seconds", "mass", "first_frequency", "modes", "error")
 

@@ -384,10 +384,10 @@ class Body(NamedBody):
 
     @property
     def digests(self) -> str:
-        """The digests of its files, or of its mesh, by which a superelement knows them again."""
-        if isinstance(self.mesh, Mesh):
-            return self.mesh.sha256
-        return ", ".join(map(sha256, self.files))
+        """The digests of its files, or its mesh, and its test, by which a superelement knows them again."""
+        test = () if self.measured is None else self.measured.files
+        mesh = [self.mesh.sha256] if isinstance(self.mesh, Mesh) else map(sha256, self.files)
+        return ", ".join([*mesh, *map(sha256, test)])
 
     def relative_to(self, folder: Path) -> "Body":
         """A copy whose relative paths start from a folder."""

@@ -444,3 +444,30 @@ def test_failed_cases_are_in_the_summary_that_is_read(study_file):
     found = read_summary(study.summary)
     assert found.failed == {"simulation.step": [-1.0]}
     assert len(found.parameters["simulation.step"]) == 2
+
+
+def test_repeated_tests_of_a_part_are_a_study(study_file, folder, line_mesh):
+    """Of frequencies that were measured, one file for each test, whose paths are those there."""
+    model = folder / "model"
+    line_mesh(model / "bar.msh", 4)
+    measured = '[measured]\nmodes = "first.csv"\nchannels = "channels.csv"\nupdate = "frequencies"\n'
+    # Bending in two planes of one stiffness would have shapes in any of them.
+    (model / "bar.toml").write_text(BODY.replace("EI_y = 5.0", "EI_y = 8.0") + measured)
+    sensors = dict(zip("abcde", (0.0, 0.125, 0.25, 0.375, 0.5), strict=True))
+    places = [f"{name},{x},0,0,{axis}" for name, x in sensors.items() for axis in "yz"]
+    (model / "channels.csv").write_text("\n".join(["label,x,y,z,axis", *places]))
+    names = [f"{name}:{axis}" for name in sensors for axis in "yz"]
+    bend = [1.0, 0.0, -0.1, 0.0, -0.6, 0.0, -0.1, 0.0, 1.0, 0.0]
+    for name, frequency in (("first", 100.0), ("second", 110.0)):
+        rows = [["frequency", "damping", *names], [frequency, 0.01, *bend]]
+        (model / f"{name}.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
+    path = study_file(
+        'body = "model/bar.toml"\n'
+        'parameters.measured.modes = ["model/first.csv", "model/second.csv"]'
+    )
+    ran, rows = run(path)
+    assert [row.message for row in rows] == ["", ""]
+    assert [row.numbers["first_frequency"] for row in rows] == pytest.approx([100.0, 110.0])
+    assert run(path)[0] == []
+    (model / "second.csv").write_text((model / "first.csv").read_text())
+    assert run(path)[0] == ["case-0002"]
