@@ -19,7 +19,7 @@ from ..preprocess.progress import Stages
 from .tables import table
 
 RESPONSE_FILE = "responses.npz"
-PREDICTION_HEADINGS = "plan", "test", "modes", "frequencies", "damping", "responses by thirds"
+PREDICTION_HEADINGS = "plan", "channels", "hits", "modes", "frequency", "damping", "responses"
 
 
 @dataclass(frozen=True)
@@ -111,22 +111,23 @@ def predicted(
 
 def prediction_table(title: str, plans: Sequence[PlanErrors]) -> Table:
     """A row for each plan: the largest errors of its tests."""
-    return table(title, PREDICTION_HEADINGS, map(_row, plans), "ttnnnn")
+    title = f"{title}: largest errors, of responses in each third of the band"
+    return table(title, PREDICTION_HEADINGS, map(_row, plans), "tnnnnnn")
 
 
 def _row(plan: PlanErrors) -> list[str]:
-    test = f"{len(plan.bench.channels.names)} channels, {len(plan.bench.hits.labels)} hits"
+    test = [str(len(plan.bench.channels.names)), str(len(plan.bench.hits.labels))]
     if not plan.errors:
-        return [plan.name, test, "none", "", "", ""]
+        return [plan.name, *test, "none", "", "", ""]
     fewest = min(plan.errors, key=lambda one: one.found)
     thirds = np.max([one.responses for one in plan.errors], axis=0)
     return [
         plan.name,
-        test,
+        *test,
         f"{fewest.found} of {fewest.modes}",
         _percent(max(one.frequency for one in plan.errors)),
         _percent(max(one.damping for one in plan.errors)),
-        ", ".join(_percent(value) for value in thirds.tolist()),
+        ", ".join(f"{100.0 * value:.2g}" for value in thirds.tolist()) + " %",
     ]
 
 

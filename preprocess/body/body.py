@@ -384,7 +384,7 @@ class Body(NamedBody):
 
     @property
     def digests(self) -> str:
-        """The digests of its files, or its mesh, and its test, by which a superelement knows them again."""
+        """Digests of its mesh or matrices and of its test, by which a superelement knows them."""
         test = () if self.measured is None else self.measured.files
         mesh = [self.mesh.sha256] if isinstance(self.mesh, Mesh) else map(sha256, self.files)
         return ", ".join([*mesh, *map(sha256, test)])

@@ -18,10 +18,10 @@ from .walk import Block, blocks, walk
 
 WALKED = "how-to/drop-test.md"
 """the guide that shows whole files and commands"""
-OWN_WALK = "how-to/robot-arm.md"
+OWN_WALKS = "how-to/robot-arm.md", "how-to/hammer-test.md"
 
 ALL = sorted(f"how-to/{path.name}" for path in (ROOT / "docs" / "how-to").glob("*.md"))
-GUIDES = [guide for guide in ALL if guide not in (WALKED, OWN_WALK)]
+GUIDES = [guide for guide in ALL if guide not in (WALKED, *OWN_WALKS)]
 BASES = {
     "body.toml": """
         name = "part"

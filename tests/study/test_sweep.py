@@ -450,7 +450,9 @@ def test_repeated_tests_of_a_part_are_a_study(study_file, folder, line_mesh):
     """Of frequencies that were measured, one file for each test, whose paths are those there."""
     model = folder / "model"
     line_mesh(model / "bar.msh", 4)
-    measured = '[measured]\nmodes = "first.csv"\nchannels = "channels.csv"\nupdate = "frequencies"\n'
+    measured = (
+        '[measured]\nmodes = "first.csv"\nchannels = "channels.csv"\nupdate = "frequencies"\n'
+    )
     # Bending in two planes of one stiffness would have shapes in any of them.
     (model / "bar.toml").write_text(BODY.replace("EI_y = 5.0", "EI_y = 8.0") + measured)
     sensors = dict(zip("abcde", (0.0, 0.125, 0.25, 0.375, 0.5), strict=True))
@@ -465,7 +467,7 @@ def test_repeated_tests_of_a_part_are_a_study(study_file, folder, line_mesh):
         'body = "model/bar.toml"\n'
         'parameters.measured.modes = ["model/first.csv", "model/second.csv"]'
     )
-    ran, rows = run(path)
+    _, rows = run(path)
     assert [row.message for row in rows] == ["", ""]
     assert [row.numbers["first_frequency"] for row in rows] == pytest.approx([100.0, 110.0])
     assert run(path)[0] == []

@@ -4,6 +4,7 @@ Sensors and hits sit at nodes of the mesh; what the test reports of them has err
 """
 
 import csv
+import runpy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -13,6 +14,7 @@ import meshio
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+MESHES = Path(__file__).parents[3] / "meshes"
 STEEL = du.Material(E=210e9, nu=0.3, rho=7850.0)
 SENSORS = {
     "1": (0.30, 0.0, 0.02),
@@ -121,31 +123,8 @@ def truth() -> Truth:
 
 def angle_mesh() -> meshio.Mesh:
     """Two legs of 10 mm plate, 300 and 150 mm long, with blocks at their ends, in hex20."""
-    edges = [0.0, 10.0, 25.0, *np.linspace(45, 260, 9), 280.0, 300.0]
-    across, up = [0.0, 25.0, 50.0], [0.0, 10.0, 30.0, *np.linspace(60, 115, 3), 132.5, 150.0]
-    x, y, z = (np.sort([*a, *(np.add(a[1:], a[:-1]) / 2)]) for a in (edges, across, up))
-
-    def solid(i: int, j: int, k: int) -> bool:
-        X, Z = x[2 * i + 1], z[2 * k + 1]
-        return Z < 10 or X < 10 or (X > 260 and Z < 30) or (Z > 115 and X < 25)
-
-    corners = np.array(
-        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    )
-    lines = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4)]
-    lines += [(0, 4), (1, 5), (2, 6), (3, 7)]
-    local = np.vstack([2 * corners, [corners[a] + corners[b] for a, b in lines]])
-    cells = [
-        (i, j, k)
-        for i in range(len(edges) - 1)
-        for j in range(len(across) - 1)
-        for k in range(len(up) - 1)
-        if solid(i, j, k)
-    ]
-    every = (2 * np.array(cells)[:, None] + local).reshape(-1, 3)
-    nodes, numbers = np.unique(every, axis=0, return_inverse=True)
-    points = 1e-3 * np.column_stack([x[nodes[:, 0]], y[nodes[:, 1]], z[nodes[:, 2]]])
-    return meshio.Mesh(points, [("hexahedron20", numbers.reshape(-1, 20))])
+    made: meshio.Mesh = runpy.run_path(str(MESHES / "angle" / "make_mesh.py"))["angle_mesh"]()
+    return made
 
 
 @dataclass(frozen=True, eq=False)
