@@ -1,16 +1,33 @@
 """The report of a dry run on a part that was tested, and the picture of its fit."""
 
+import base64
+import io
 from collections.abc import Iterator
+from html import escape
 
 import numpy as np
+from rich.console import Console
 from rich.table import Table
 
 from ..files.arrays import Array
+from ..preprocess.measured.matching import mac
 from ..preprocess.measured.part import IdentifiedPart
-from ..view import FitOfTest
+from ..view import FitOfTest, draw_fit
 from .tables import Row, sectioned
 
 WORST_SHOWN = 5
+PAGE_LETTERS, PAGE_DOTS_PER_INCH = 100, 130
+PAGE_OF_TEST = """<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>Test of {name}</title>
+<style>{stylesheet} body {{ font-family: sans-serif; }} img {{ max-width: 100%; }}</style></head>
+<body><h1>Test of {name}</h1>
+<img src="data:image/png;base64,{picture}" alt="responses, misfits, modes and places">
+<pre>{code}</pre>
+</body>
+</html>
+"""
+"""with the fields of `Console.export_html`, braces doubled for it"""
 
 
 def report(part: IdentifiedPart) -> Table:
@@ -30,11 +47,27 @@ def picture(part: IdentifiedPart) -> FitOfTest:
         measured=1.0 / measured.weights,
         fitted=np.sqrt(np.mean(np.abs(fitted) ** 2, axis=(1, 2))),
         modes=fit.frequencies,
+        mac=mac(*[(measured.outputs @ fit.shapes).T] * 2),
         misfits=_each(part),
         sensors=test.channels.sensors,
         hits=dict(zip(hits.labels, hits.points, strict=True)),
         interfaces={name: np.array(point.at) for name, point in body.interfaces.items()},
         directions=dict(zip(hits.labels, hits.directions, strict=True)),
+    )
+
+
+def page_of_test(part: IdentifiedPart, report_of_test: Table) -> str:
+    """A page of HTML, for any browser: the picture, and the report below it."""
+    image = io.BytesIO()
+    draw_fit(picture(part)).savefig(image, format="png", dpi=PAGE_DOTS_PER_INCH)
+    # Not to the terminal, which has it already.
+    console = Console(record=True, file=io.StringIO(), width=PAGE_LETTERS)
+    console.print(report_of_test)
+    name = escape(part.test.body.name)
+    return console.export_html(
+        code_format=PAGE_OF_TEST.replace("{name}", name).replace(
+            "{picture}", base64.b64encode(image.getvalue()).decode("ascii")
+        )
     )
 
 

@@ -1,4 +1,4 @@
-"""A test of a part as a picture: measured and fitted responses, misfits, and where it was done."""
+"""A test of a part as a picture: measured and fitted responses, misfits, shapes, and where."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from .camera import ISOMETRIC_EYE, UPWARD, axes_towards
 from .picture import panels
 from .styles import COLORS
 
-HEIGHTS_OF_FIT = (1.5, 1.0, 1.6)
+HEIGHTS_OF_FIT = (1.5, 1.0, 1.6, 1.6)
 HIT_LENGTH = 0.08
 """of arrows of hits, over the extent of the part"""
 LETTERS_OF_FIT = 7.0
@@ -28,6 +28,8 @@ class FitOfTest:
     measured, fitted : (k,) [1/kg]
         Root mean squares of all accelerances.
     modes : (m,) [Hz]
+    mac : (m, m)
+        Modal assurance criterion of the modes with one another, at the sensors.
     misfits : mapping of str to float
         Of each channel and of each hit.
     sensors, hits, interfaces : mapping of str to (3,) [m]
@@ -39,6 +41,7 @@ class FitOfTest:
     measured: Array
     fitted: Array
     modes: Array
+    mac: Array
     misfits: Mapping[str, float]
     sensors: Mapping[str, Array]
     hits: Mapping[str, Array]
@@ -47,18 +50,19 @@ class FitOfTest:
 
 
 def draw_fit(fit: FitOfTest) -> Figure:
-    """Draw responses with their modes, misfits by channel and hit, and where these are.
+    """Draw responses with their modes, misfits by channel and hit, how alike modes are, and places.
 
     Examples
     --------
     >>> import numpy as np
     >>> place = {"1": np.zeros(3)}
     >>> f = np.linspace(10.0, 100.0, 5)
-    >>> fit = FitOfTest(f, f, f, np.array([50.0]), {"1:x": 0.1}, place, {}, place, {})
+    >>> one = np.array([50.0]), np.array([[1.0]])
+    >>> fit = FitOfTest(f, f, f, *one, {"1:x": 0.1}, place, {}, place, {})
     >>> len(draw_fit(fit).axes)
-    3
+    5
     """
-    figure, (responses, bars, places) = panels(3, share_time=False, heights=HEIGHTS_OF_FIT)
+    figure, (responses, bars, alike, places) = panels(4, share_time=False, heights=HEIGHTS_OF_FIT)
     responses.semilogy(fit.frequencies, fit.measured, color=COLORS[0], label="measured")
     responses.semilogy(fit.frequencies, fit.fitted, "--", color=COLORS[1], label="fitted")
     for frequency in fit.modes:
@@ -69,8 +73,21 @@ def draw_fit(fit: FitOfTest) -> Figure:
     bars.bar(range(len(fit.misfits)), list(fit.misfits.values()), color=COLORS[0])
     bars.set_xticks(range(len(fit.misfits)), list(fit.misfits), rotation=90, fontsize=6.0)
     bars.set_ylabel("misfit")
+    _draw_mac(alike, fit)
     _draw_places(places, fit)
     return figure
+
+
+def _draw_mac(axes: Axes, fit: FitOfTest) -> None:
+    """Of modes that the sensors tell apart only the diagonal is dark."""
+    # One scale for all tests, so that pictures can be compared.
+    image = axes.imshow(fit.mac, cmap="Blues", vmin=0.0, vmax=1.0)
+    names = [f"{frequency:.4g}" for frequency in fit.modes]
+    for ticks, turn in ((axes.set_xticks, 90.0), (axes.set_yticks, 0.0)):
+        ticks(range(len(names)), names, rotation=turn, fontsize=LETTERS_OF_FIT)
+    axes.set_ylabel("mode [Hz]")
+    axes.grid(visible=False)
+    axes.figure.colorbar(image, ax=axes, label="MAC")
 
 
 def _draw_places(axes: Axes, fit: FitOfTest) -> None:

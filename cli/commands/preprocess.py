@@ -24,7 +24,8 @@ DryRun = Annotated[
     bool,
     typer.Option(
         "--dry-run",
-        help="Only report on the mesh and the cost, and draw it: BODY.png beside the body file.",
+        help="Only report on the mesh and the cost, or on a test, and draw it: BODY.png beside the "
+        "body file; of a test also a page, by -o FILE.html.",
     ),
 ]
 Processes = Annotated[
@@ -120,13 +121,20 @@ def _survey_test(body: "MeasuredBody", body_file: Path, target: Path) -> None:
     from rich.console import Console
 
     from ... import preprocess, view
+    from ...files import renamed_when_whole
     from ...preprocess.measured.part import identified
     from ...preprocess.progress import shown_stages
-    from ..part_test import picture, report
+    from ..part_test import page_of_test, picture, report
 
     with errors_in_one_line(preprocess, about=body_file), shown_stages(True) as stages:
         part = identified(body, stages)
+    told = report(part)
     with errors_in_one_line(view):
-        view.save(view.draw_fit(picture(part)), target)
-    Console().print(report(part))
+        # The suffix says what is made of a test, as of results.
+        if target.suffix.lower() == ".html":
+            with renamed_when_whole(target, failure=view.PictureError) as temporary:
+                temporary.write_text(page_of_test(part, told), encoding="utf-8")
+        else:
+            view.save(view.draw_fit(picture(part)), target)
+    Console().print(told)
     typer.echo(one_line(target))

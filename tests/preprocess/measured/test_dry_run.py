@@ -38,7 +38,22 @@ def test_the_picture_has_the_responses_and_the_misfit_of_each_channel_and_hit(tm
     assert len(shown.misfits) == 3 * len(SENSORS) + len(HITS)
     assert 0.02 < min(shown.misfits.values()) < part.found.fit.misfit < max(shown.misfits.values())
     figure = view.draw_fit(shown)
-    responses, bars, places = figure.axes
+    responses, bars, alike, places, _ = figure.axes
+    np.testing.assert_allclose(np.diag(alike.images[0].get_array()), 1.0, rtol=1e-9)
+    assert len(alike.get_xticklabels()) == len(shown.modes)
     assert len(bars.patches) == len(shown.misfits)
     assert {text.get_text() for text in places.texts} >= {*SENSORS, *HITS, "foot", "top"}
     assert len(responses.lines) == 2 + len(shown.modes)
+
+
+def test_a_page_has_the_picture_and_the_report(tmp_path):
+    path = fewer(measure(ALL)).write(tmp_path)
+    text = path.read_text().replace('name = "angle"', 'name = "a <b> & c"')
+    path.write_text(text)
+    page = tmp_path / "page.html"
+    result = CliRunner().invoke(app, ["preprocess", str(path), "--dry-run", "-o", str(page)])
+    assert result.exit_code == 0, result.output
+    html = page.read_text()
+    assert "<h1>Test of a &lt;b&gt; &amp; c</h1>" in html
+    assert "24 channels by 20 hits" in html
+    assert "data:image/png;base64,iVBOR" in html
