@@ -58,6 +58,8 @@ def _test(part: IdentifiedPart) -> Iterator[Row]:
     yield "lines", f"{len(f)} from {f[0]:g} to {f[-1]:g} Hz"
     for name, rows in test.coordinates.interfaces.items():
         yield f"  {name}", f"{rows.stop - rows.start} dofs"
+    if test.rigid.told:
+        yield "rigid motion", test.rigid.told
     if test.coordinates.sensors:
         yield "sensors", ", ".join(test.coordinates.sensors)
 

@@ -36,6 +36,10 @@ class FrequencyData:
     f: Array
     H: Complex
 
+    def laplace(self, window: float) -> Complex:
+        """s (k,) [1/s] of the lines, under an exponential window [1/s]."""
+        return np.asarray(2j * np.pi * self.f + window, dtype=complex)
+
 
 def read_responses(
     path: Path, quantity: str | None, channels: ChannelTable, hits: HitTable, window: float

@@ -52,8 +52,7 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
         test = read_part_test(body)
         measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
-        center = np.array(body.measured.rigid.center)
-        doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, center))
+        doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, test.rigid.center))
         found = identify(measurement)
     return IdentifiedPart(test, measurement, found, (*doubts, *_doubts_of_fit(found)))
 
@@ -127,11 +126,12 @@ def _superelement(
         at = np.concatenate([np.arange(q.start, q.stop) for q in own.sensors.values()])
         channels = Channels((), sensors, phi=free.shapes[at][:, order])
     scheme = GeneralizedAlpha(impulse.rho_inf)
+    method = f"measured with {count} modes, misfit {misfit:.2g} of the responses"
     return Superelement(
         name=body.name,
-        mass=asked.rigid.mass,
-        J_rot=np.array(asked.rigid.inertia),
-        center=np.array(asked.rigid.center),
+        mass=test.rigid.mass,
+        J_rot=test.rigid.inertia,
+        center=test.rigid.center,
         interfaces=tuple(
             Interface(name, own.places[name], point.rotations)
             for name, point in body.interfaces.items()
@@ -145,7 +145,7 @@ def _superelement(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
             mesh_sha256=body.digests,
-            method=f"measured with {count} modes, misfit {misfit:.2g} of the responses",
+            method="; ".join([method, *filter(None, [test.rigid.told])]),
             tolerance=asked.accept,
             versions={name: metadata.version(name) for name in ("duhamel", "numpy", "scipy")},
             timings=stages.seconds,

@@ -156,8 +156,11 @@ class Bench:
     H: np.ndarray
     errors: Errors
 
-    def write(self, folder: Path, frf: str = "angle.npz", **keys: object) -> Path:
-        """Tables, responses and the body file angle.toml; its path."""
+    def write(self, folder: Path, frf: str = "angle.npz", rigid: str = "", **keys: object) -> Path:
+        """Tables, responses and the body file angle.toml; its path.
+
+        rigid: lines in place of the mass, center and inertia of the part.
+        """
         write_tables(folder)
         if frf.endswith(".npz"):
             np.savez(folder / frf, f=self.f, H=self.H, quantity="accelerance")
@@ -171,12 +174,15 @@ class Bench:
         )
         further = {"sensor_mass": self.errors.mass, "window": self.errors.window, **keys}
         lines = "".join(f"{key} = {value}\n" for key, value in further.items() if value)
+        rigid = rigid or (
+            f"mass = {element.mass}\ncenter = {element.center.tolist()}\n"
+            f"inertia = {element.J_rot.tolist()}"
+        )
         path = folder / "angle.toml"
         path.write_text(
             f'name = "angle"\n[measured]\nfrf = "{frf}"\nchannels = "channels.csv"\n'
             f'hits = "hits.csv"\nband = [20, 5000]\n{lines}'
-            f"[measured.rigid]\nmass = {element.mass}\ncenter = {element.center.tolist()}\n"
-            f"inertia = {element.J_rot.tolist()}\n{interfaces}"
+            f"[measured.rigid]\n{rigid}\n{interfaces}"
             "[impulse]\nstep = 2e-5\nsteps = 100\n"
         )
         return path

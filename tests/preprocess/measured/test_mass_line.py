@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 from duhamel import preprocess
 from duhamel.preprocess import MeasurementError
@@ -14,15 +13,21 @@ from .hammer_bench import ALL, HITS, SENSORS, Errors, measure, replace, truth, w
 NAMES = [f"{label}:{axis}" for label in SENSORS for axis in "xyz"]
 
 
-def doubts(bench, folder, edit=None):
-    path = bench.write(folder)
+def doubts(bench, folder, edit=None, rigid=""):
+    path = bench.write(folder, rigid=rigid)
     if edit is not None:
         edit(path)
     test = read_part_test(preprocess.read_body(path))
-    center = np.array(test.body.measured.rigid.center)
-    return list(doubts_of_mass_line(measurement_of(test), test.channels, test.hits, center))
+    measured = measurement_of(test)
+    return list(doubts_of_mass_line(measured, test.channels, test.hits, test.rigid.center))
 
 
+RIGID = pytest.mark.parametrize(
+    "rigid", ["", 'from = "frf"'], ids=["given mass", "mass by responses"]
+)
+
+
+@RIGID
 @pytest.mark.parametrize(
     "errors",
     [
@@ -33,8 +38,8 @@ def doubts(bench, folder, edit=None):
     ],
     ids=["exact", "1", "2", "3", "4", "5", "heavy sensors", "window"],
 )
-def test_a_test_that_is_right_has_no_doubts(errors, tmp_path):
-    assert doubts(measure(errors), tmp_path) == []
+def test_a_test_that_is_right_has_no_doubts(errors, rigid, tmp_path):
+    assert doubts(measure(errors), tmp_path, rigid=rigid) == []
 
 
 @pytest.mark.parametrize(("low", "cords"), [(30, 0.0), (60, 0.0), (30, 6.0), (60, 12.0)])
@@ -66,6 +71,7 @@ def hit(label, factor):
     return change
 
 
+@RIGID
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -79,8 +85,8 @@ def hit(label, factor):
         (hit("206", 1.5), r"hit 206: a force of 1\.5 of what it should be"),
     ],
 )
-def test_each_wrong_wire_is_one_message(change, message, tmp_path):
-    (found,) = doubts(with_fault(measure(ALL), change), tmp_path)
+def test_each_wrong_wire_is_one_message(change, message, rigid, tmp_path):
+    (found,) = doubts(with_fault(measure(ALL), change), tmp_path, rigid=rigid)
     assert re.fullmatch(message, found)
 
 
@@ -99,6 +105,7 @@ def table(name, old, new):
     return edit
 
 
+@RIGID
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
@@ -113,8 +120,8 @@ def table(name, old, new):
         (table("channels.csv", "7,0.1525", "7,0.1125"), "sensor 7: is not where the table has it"),
     ],
 )
-def test_wrong_lines_of_tables_are_one_message(edit, message, tmp_path):
-    (found,) = doubts(measure(ALL), tmp_path, edit)
+def test_wrong_lines_of_tables_are_one_message(edit, message, rigid, tmp_path):
+    (found,) = doubts(measure(ALL), tmp_path, edit, rigid)
     assert re.match(message, found)
 
 
@@ -122,6 +129,8 @@ def test_a_wrong_mass_is_one_message(tmp_path):
     mass = truth().element.mass
     edit = table("angle.toml", f"mass = {mass}", f"mass = {1.15 * mass}")
     (found,) = doubts(measure(ALL), tmp_path, edit)
+    assert "says that the part has 2.2" in found
+    (found,) = doubts(measure(ALL), tmp_path, rigid=f'from = "frf"\nmass = {1.15 * mass}')
     assert "says that the part has 2.2" in found
     heavy = replace(measure(replace(ALL, mass=0.03)), errors=ALL)
     (found,) = doubts(heavy, tmp_path)
