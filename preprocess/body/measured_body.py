@@ -17,6 +17,8 @@ MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
 
 
 BY_RESPONSES: Literal["frf"] = "frf"
+LINES_OVER_SUSPENSION = 5.0
+"""lowest line over the highest frequency on the cords: there these change responses by 4 %"""
 
 
 class RigidPart(Table):
@@ -84,7 +86,8 @@ class FrequencyTest(Table):
     they are per force where the file does not say. channels and hits: tables (.csv) of places and
     directions [m]. band [Hz]: the lines that are used. window [1/s]: the rate of an exponential
     window on force and response. sensor_mass [kg]: of each sensor, all of which stayed mounted; it
-    is taken away. accept: the largest misfit of the fit.
+    is taken away. suspension [Hz]: the highest of the six frequencies of the part on its cords;
+    lines below five times that are not used. accept: the largest misfit of the fit.
     """
 
     frf: FilePath
@@ -94,6 +97,7 @@ class FrequencyTest(Table):
     band: Annotated[tuple[PositiveFloat, PositiveFloat], expected("two frequencies [Hz]")]
     window: NonNegativeFloat = 0.0
     sensor_mass: NonNegativeFloat = 0.0
+    suspension: PositiveFloat | None = None
     accept: Annotated[float, Field(gt=0.0, le=1.0), expected("a number above 0 and up to 1")] = 0.3
     rigid: RigidPart
 
@@ -101,6 +105,11 @@ class FrequencyTest(Table):
     def _upwards(self) -> None:
         if not self.band[0] < self.band[1]:
             raise ValueError(f"band: expected the lower frequency first, found {list(self.band)}")
+
+    @property
+    def lowest(self) -> float:
+        """The frequency [Hz] from which on lines are used."""
+        return max(self.band[0], LINES_OVER_SUSPENSION * (self.suspension or 0.0))
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -1,6 +1,5 @@
 """A superelement of a part from its frequency response test."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import metadata
 
@@ -23,15 +22,11 @@ from ..identification.identify import Identification, identify
 from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
 from ..progress import Stages
-from .mass_line import doubts_of_mass_line
+from .doubts import doubts_of_fit, doubts_of_test
 from .part_test import PartTest, loaded_mass, measurement_of, read_part_test, sensor_motions
 from .update import SENSOR_NAME
 
 TOLD_DOUBTS = 3
-DOUBTED_MISFIT = 0.1
-"""of a fit, of which a warning tells"""
-DOUBTED_SIGN = 0.9
-"""of the driving points of a mode: of true ones it is above 0.99"""
 BAND_OF_TEST = 0.9
 """of the highest frequency: above it the flanks of modes beyond the band are missing"""
 
@@ -52,9 +47,9 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
         test = read_part_test(body)
         measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
-        doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, test.rigid.center))
+        doubts = list(doubts_of_test(test, measurement))
         found = identify(measurement)
-    return IdentifiedPart(test, measurement, found, (*doubts, *_doubts_of_fit(found)))
+    return IdentifiedPart(test, measurement, found, (*doubts, *doubts_of_fit(found)))
 
 
 def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
@@ -91,20 +86,6 @@ def _free_modes(test: PartTest, found: Identification) -> FreeModes:
         raise MeasurementError(
             f"measured.sensor_mass: expected less than the modes of the test have, found {mass:g}"
         ) from error
-
-
-def _doubts_of_fit(found: Identification) -> Iterator[str]:
-    fit = found.fit
-    if fit.misfit > DOUBTED_MISFIT:
-        yield (
-            f"the responses of {len(fit.omega)} modes differ from those measured by "
-            f"{fit.misfit:.2f} of these"
-        )
-    for frequency in fit.frequencies[found.signs < DOUBTED_SIGN]:
-        yield (
-            f"the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are all of "
-            "them where the tables say?"
-        )
 
 
 def _superelement(

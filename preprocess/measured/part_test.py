@@ -32,7 +32,7 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     asked = body.measured
     channels, hits = read_channels(asked.channels), read_hits(asked.hits)
     data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
-    low, high = asked.band
+    low, high = asked.lowest, asked.band[1]
     used = (data.f >= low) & (data.f <= high)
     chosen = FrequencyData(data.f[used], data.H[used])
     # Coordinates move about the center, which the responses may have to tell.
