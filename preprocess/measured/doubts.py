@@ -3,9 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from ..body.measured_body import BY_RESPONSES, LINES_OVER_SUSPENSION
+from ..identification.complexity import OutOfPhase
 from ..identification.identify import Identification
 from ..identification.responses import Measurement
+from .delays import Delays
 from .mass_line import doubts_of_mass_line, mass_line
 from .part_test import PartTest
 from .suspension import stiff_suspension
@@ -14,6 +18,12 @@ DOUBTED_MISFIT = 0.1
 """of a fit, of which a warning tells"""
 DOUBTED_SIGN = 0.9
 """of the driving points of a mode: of true ones it is above 0.99"""
+DOUBTED_SHARE, LARGEST_SHARE = 0.1, 0.3
+"""of a mode that is out of phase: of real ones it is within 0.01"""
+SEEN_MODE = 0.2
+"""of noise in the residue of a mode: of true ones it is within 0.05"""
+BAND_OF_TEST = 0.9
+"""of the highest frequency: above it the flanks of modes beyond the band are missing"""
 
 
 def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
@@ -39,16 +49,50 @@ def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
     yield from doubts_of_mass_line(measurement, test.channels, test.hits, test.rigid.center)
 
 
-def doubts_of_fit(found: Identification) -> Iterator[str]:
+def doubts_of_fit(
+    test: PartTest,
+    measurement: Measurement,
+    found: Identification,
+    delays: Delays,
+    phases: OutOfPhase,
+) -> Iterator[str]:
     """A line for each thing in which a fit is unlike that of a right test."""
     fit = found.fit
+    yield from delays.told(test.channels.names, test.hits.labels)
     if fit.misfit > DOUBTED_MISFIT:
         yield (
             f"the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these"
         )
-    for frequency in fit.frequencies[found.signs < DOUBTED_SIGN]:
+    if said := too_complex(measurement, found, phases, DOUBTED_SHARE):
+        yield said
+    # A mode that is hidden in noise has any shape.
+    for frequency in fit.frequencies[(found.signs < DOUBTED_SIGN) & (phases.noise < SEEN_MODE)]:
         yield (
             f"the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are all of "
             "them where the tables say?"
         )
+
+
+def too_complex(
+    measurement: Measurement, found: Identification, phases: OutOfPhase, most: float
+) -> str:
+    """What is said of the mode that is most out of phase if that is too much, else ""."""
+    k, share = most_out_of_phase(measurement, found, phases)
+    # What a poor fit leaves is out of phase too.
+    if share <= max(most, found.fit.misfit):
+        return ""
+    return (
+        f"the mode at {found.fit.frequencies[k]:.5g} Hz is out of phase by {100.0 * share:.2g} % "
+        "of its shape, as by a damper at one place: the superelement has real shapes"
+    )
+
+
+def most_out_of_phase(
+    measurement: Measurement, found: Identification, phases: OutOfPhase
+) -> tuple[int, float]:
+    """The mode of the band that is most out of phase, and how much."""
+    within = found.fit.omega < BAND_OF_TEST * measurement.highest
+    shares = np.where(within, phases.shares, 0.0)
+    k = int(shares.argmax()) if len(shares) else 0
+    return k, float(shares.max(initial=0.0))

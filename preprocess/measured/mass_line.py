@@ -32,6 +32,8 @@ LARGEST_OFFSET = 0.03
 ROBUST_STEPS = 30
 ROBUST_FLOOR = 0.01
 """of the median error, below which errors count as none"""
+LEAST_CHANNELS = 6
+"""that must be right to tell what a hit did"""
 KNOWN_GAINS = {1.0 / 9.80665: "in g?", 9.80665: "in g?", 1e-3: "in mm?", 1e3: "in mm?"}
 SAME_GAIN = 0.05
 
@@ -117,6 +119,8 @@ def doubts_of_mass_line(
         found = list(_of_sensor(readings, by_wrench[:, used], channels, rows, center, size))
         right[rows] = not found
         yield from found
+    if right.sum() < LEAST_CHANNELS:
+        return
     # What wrong sensors say of hits counts no longer.
     for j, label in enumerate(hits.labels):
         wrench = _wrench(outputs[right], A[right, j], measured.M)

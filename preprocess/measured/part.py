@@ -18,17 +18,24 @@ from ...superelement import (
 )
 from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
+from ..identification.complexity import OutOfPhase, out_of_phase
 from ..identification.identify import Identification, identify
 from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
 from ..progress import Stages
-from .doubts import doubts_of_fit, doubts_of_test
+from .delays import delays_of
+from .doubts import (
+    BAND_OF_TEST,
+    LARGEST_SHARE,
+    doubts_of_fit,
+    doubts_of_test,
+    most_out_of_phase,
+    too_complex,
+)
 from .part_test import PartTest, loaded_mass, measurement_of, read_part_test, sensor_motions
 from .update import SENSOR_NAME
 
 TOLD_DOUBTS = 3
-BAND_OF_TEST = 0.9
-"""of the highest frequency: above it the flanks of modes beyond the band are missing"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +45,7 @@ class IdentifiedPart:
     test: PartTest
     measurement: Measurement
     found: Identification
+    phases: OutOfPhase
     doubts: tuple[str, ...]
 
 
@@ -49,24 +57,33 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
     with stages.stage("identification"), one_blas_thread():
         doubts = list(doubts_of_test(test, measurement))
         found = identify(measurement)
-    return IdentifiedPart(test, measurement, found, (*doubts, *doubts_of_fit(found)))
+        delays = delays_of(measurement, found.fit)
+        # What is late is out of phase, and is told as that.
+        phases = out_of_phase(delays.undone(measurement), found.fit)
+        doubts += doubts_of_fit(test, measurement, found, delays, phases)
+    return IdentifiedPart(test, measurement, found, phases, tuple(doubts))
 
 
 def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
     """The superelement of a part that is known from its test."""
     part, asked = identified(body, stages), body.measured
     fit = part.found.fit
+    # What is wrong with the wires says more than what the fit is like.
     if fit.misfit > asked.accept:
-        # What is wrong with the wires says more than what the fit is like.
         raise MeasurementError(
             f"{asked.frf}: the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these, expected at most measured.accept = {asked.accept:g}"
             + "".join(f"; {doubt}" for doubt in part.doubts[:TOLD_DOUBTS])
         )
+    if said := too_complex(part.measurement, part.found, part.phases, LARGEST_SHARE):
+        others = [doubt for doubt in part.doubts if doubt != said]
+        raise MeasurementError(
+            f"{asked.frf}: {said}, expected at most {100.0 * LARGEST_SHARE:g} %"
+            + "".join(f"; {doubt}" for doubt in others[:TOLD_DOUBTS])
+        )
     for doubt in part.doubts:
         stages.warn(f"{asked.frf}: {doubt}")
-    modes = _free_modes(part.test, part.found)
-    return _superelement(part.test, modes, fit.misfit, len(fit.omega), stages)
+    return _superelement(part, _free_modes(part.test, part.found), stages)
 
 
 def _free_modes(test: PartTest, found: Identification) -> FreeModes:
@@ -88,9 +105,8 @@ def _free_modes(test: PartTest, found: Identification) -> FreeModes:
         ) from error
 
 
-def _superelement(
-    test: PartTest, free: FreeModes, misfit: float, count: int, stages: Stages
-) -> Superelement:
+def _superelement(part: IdentifiedPart, free: FreeModes, stages: Stages) -> Superelement:
+    test, fit = part.test, part.found.fit
     body, own = test.body, test.coordinates
     asked, impulse = body.measured, body.impulse
     band = BAND_OF_TEST * float(test.data.f[-1])
@@ -107,7 +123,11 @@ def _superelement(
         at = np.concatenate([np.arange(q.start, q.stop) for q in own.sensors.values()])
         channels = Channels((), sensors, phi=free.shapes[at][:, order])
     scheme = GeneralizedAlpha(impulse.rho_inf)
-    method = f"measured with {count} modes, misfit {misfit:.2g} of the responses"
+    _, share = most_out_of_phase(part.measurement, part.found, part.phases)
+    method = (
+        f"measured with {len(fit.omega)} modes, misfit {fit.misfit:.2g} of the responses, at most "
+        f"{100.0 * share:.2g} % out of phase"
+    )
     return Superelement(
         name=body.name,
         mass=test.rigid.mass,
@@ -117,7 +137,7 @@ def _superelement(
             Interface(name, own.places[name], point.rotations)
             for name, point in body.interfaces.items()
         ),
-        kernel=sample_kernel(modes, impulse.step, scheme, impulse.steps, misfit, band),
+        kernel=sample_kernel(modes, impulse.step, scheme, impulse.steps, fit.misfit, band),
         modes=modes,
         compliance=modes.compliance,
         accelerance=modes.accelerance,

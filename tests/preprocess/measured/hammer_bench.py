@@ -51,6 +51,8 @@ STRUCK = {"foot": "1", "top": "2"}
 """first digit of the hits around each interface"""
 CORDS = "h301", "h302", "s1"
 """where the part hangs"""
+CORNERS = "h101", "h201"
+"""between which a dashpot may be"""
 BAND = 20.0, 5000.0
 
 
@@ -58,7 +60,8 @@ BAND = 20.0, 5000.0
 class Errors:
     """Of a test: relative noise and its floor [1/kg], degrees and meters of sensors and hits, gain.
 
-    mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz].
+    mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz];
+    dashpot [N s/m]: between two corners, along their line.
     """
 
     noise: float = 0.0
@@ -69,6 +72,7 @@ class Errors:
     mass: float = 0.0
     window: float = 0.0
     cords: float = 0.0
+    dashpot: float = 0.0
     seed: int = 1
 
 
@@ -91,6 +95,13 @@ class Truth:
         if self.element.interface(name).rotations:
             rigid = np.vstack([rigid, np.hstack([np.zeros((3, 3)), np.eye(3)])])
         return rigid, self.element.modes.phi[own.start : own.stop]
+
+    def between(self, first: str, second: str) -> tuple[np.ndarray, np.ndarray]:
+        """Rigid motion and modes (1, m) of the distance of two interfaces."""
+        apart = self.element.interface(first).X - self.element.interface(second).X
+        e = apart / np.linalg.norm(apart)
+        pairs = zip(self.rows(first), self.rows(second), strict=True)
+        return tuple((e @ (one - other))[None] for one, other in pairs)
 
     def accelerance(self, s: np.ndarray, out, into) -> np.ndarray:
         M = np.zeros((6, 6))
@@ -214,14 +225,16 @@ def measure(errors: Errors = Errors()) -> Bench:
     out = tuple(np.vstack(rows) for rows in zip(*outputs, strict=True))
     into = tuple(np.vstack(rows) for rows in zip(*inputs, strict=True))
     H = part.accelerance(s, out, into)
-    if errors.mass or errors.cords:
-        # What is mounted pushes back with Z times its acceleration: its mass, or k / s^2 of a cord.
+    if errors.mass or errors.cords or errors.dashpot:
+        # What is mounted pushes back with Z times its acceleration: its mass, k / s^2 of a cord, or
+        # c / s of a dashpot.
         mounted = [(part.rows(f"s{label}"), np.full(len(s), errors.mass)) for label in SENSORS]
         stiffness = part.element.mass * (2.0 * np.pi * errors.cords) ** 2 / len(CORDS)
         mounted += [(part.rows(name), stiffness / s**2) for name in CORDS]
+        mounted += [(part.between(*CORNERS), errors.dashpot / s)]
         mounted = [one for one in mounted if np.abs(one[1]).max() > 0.0]
         at = tuple(np.vstack(rows) for rows in zip(*(rows for rows, _ in mounted), strict=True))
-        Z = np.repeat(np.array([pushed for _, pushed in mounted]), 3, axis=0).T
+        Z = np.vstack([np.tile(pushed, (len(rows[0]), 1)) for rows, pushed in mounted]).T
         own = np.eye(Z.shape[1]) / Z[:, None, :] + part.accelerance(s, at, at)
         still = np.linalg.solve(own, part.accelerance(s, at, into))
         H = H - part.accelerance(s, out, at) @ still
