@@ -17,6 +17,8 @@ MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
 
 
 BY_RESPONSES: Literal["frf"] = "frf"
+BEYOND_BAND = 1.12
+"""of the upper end of the band: the flank of a mode just above it is in it"""
 LINES_OVER_SUSPENSION = 5.0
 """lowest line over the highest frequency on the cords: there these change responses by 4 %"""
 
@@ -87,7 +89,8 @@ class FrequencyTest(Table):
     directions [m]. band [Hz]: the lines that are used. window [1/s]: the rate of an exponential
     window on force and response. sensor_mass [kg]: of each sensor, all of which stayed mounted; it
     is taken away. suspension [Hz]: the highest of the six frequencies of the part on its cords;
-    lines below five times that are not used. accept: the largest misfit of the fit.
+    lines below five times that are not used. poles: frequencies [Hz] and damping ratios of another
+    program, in place of the search; they are refined. accept: the largest misfit of the fit.
     """
 
     frf: FilePath
@@ -98,6 +101,14 @@ class FrequencyTest(Table):
     window: NonNegativeFloat = 0.0
     sensor_mass: NonNegativeFloat = 0.0
     suspension: PositiveFloat | None = None
+    poles: (
+        Annotated[
+            tuple[tuple[PositiveFloat, PositiveFloat], ...],
+            Field(min_length=1),
+            expected("pairs of a frequency [Hz] and a damping ratio"),
+        ]
+        | None
+    ) = None
     accept: Annotated[float, Field(gt=0.0, le=1.0), expected("a number above 0 and up to 1")] = 0.3
     rigid: RigidPart
 
@@ -105,6 +116,16 @@ class FrequencyTest(Table):
     def _upwards(self) -> None:
         if not self.band[0] < self.band[1]:
             raise ValueError(f"band: expected the lower frequency first, found {list(self.band)}")
+
+    @rule
+    def _poles_of_the_band(self) -> None:
+        low, high = self.band[0], BEYOND_BAND * self.band[1]
+        for frequency, zeta in self.poles or ():
+            if not (low < frequency < high and zeta < 1.0):
+                raise ValueError(
+                    f"poles: expected frequencies from {low:g} to {high:g} Hz and damping ratios "
+                    f"below 1, found [{frequency:g}, {zeta:g}]"
+                )
 
     @property
     def lowest(self) -> float:

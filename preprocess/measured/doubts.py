@@ -20,6 +20,8 @@ DOUBTED_SIGN = 0.9
 """of the driving points of a mode: of true ones it is above 0.99"""
 DOUBTED_SHARE, LARGEST_SHARE = 0.1, 0.3
 """of a mode that is out of phase: of real ones it is within 0.01"""
+REFINED_POLE = 0.02
+"""relative change of a given pole by the fit, beyond which it is that of another mode"""
 SEEN_MODE = 0.2
 """of noise in the residue of a mode: of true ones it is within 0.05"""
 BAND_OF_TEST = 0.9
@@ -64,6 +66,13 @@ def doubts_of_fit(
             f"the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these"
         )
+    # Poles of a search come and go, those of a user are meant.
+    if (given := test.body.measured.poles) is not None:
+        for frequency, _ in found.dropped:
+            yield f"measured.poles: no mode is found at {frequency:.5g} Hz"
+        for frequency in fit.frequencies:
+            if min(abs(pole / frequency - 1.0) for pole, _ in given) > REFINED_POLE:
+                yield f"measured.poles: the mode at {frequency:.5g} Hz has none, and is added"
     if said := too_complex(measurement, found, phases, DOUBTED_SHARE):
         yield said
     # A mode that is hidden in noise has any shape.

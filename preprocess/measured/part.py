@@ -5,6 +5,7 @@ from importlib import metadata
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...files.blas import one_blas_thread
 from ...superelement import (
     Channels,
@@ -56,12 +57,18 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
         measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
         doubts = list(doubts_of_test(test, measurement))
-        found = identify(measurement)
+        found = identify(measurement, _given_poles(body))
         delays = delays_of(measurement, found.fit)
         # What is late is out of phase, and is told as that.
         phases = out_of_phase(delays.undone(measurement), found.fit)
         doubts += doubts_of_fit(test, measurement, found, delays, phases)
     return IdentifiedPart(test, measurement, found, phases, tuple(doubts))
+
+
+def _given_poles(body: MeasuredBody) -> Array | None:
+    """Circular frequencies and damping ratios (p, 2) of the body file, None if it has none."""
+    given = body.measured.poles
+    return None if given is None else np.array(given) * [2.0 * np.pi, 1.0]
 
 
 def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
