@@ -9,6 +9,7 @@ from ..body.measured_body import BY_RESPONSES, LINES_OVER_SUSPENSION
 from ..identification.complexity import OutOfPhase
 from ..identification.identify import Identification
 from ..identification.responses import Measurement
+from .coherence import doubts_of_coherence
 from .delays import Delays
 from .mass_line import doubts_of_mass_line, mass_line
 from .part_test import PartTest
@@ -31,6 +32,7 @@ BAND_OF_TEST = 0.9
 def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
     """A line for each thing that is wrong with channels, hits, mass or cords."""
     asked = test.body.measured
+    yield from doubts_of_coherence(test.data, test.channels.names, test.hits.labels)
     if asked.lowest > asked.band[0]:
         yield (
             f"lines below {asked.lowest:g} Hz are not used: on its cords the part has up to "

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...files.arrays import Array, Complex
+from ...files.arrays import Array, Complex, IntArray
 from ...files.hdf5 import opened, whole
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
@@ -17,6 +17,8 @@ from .uff import read_uff
 POWERS_OF_S = {"accelerance": 0, "mobility": 1, "receptance": 2}
 """of s that make each of them an accelerance"""
 LEAST_LINES = 20
+MOST_COHERENCE = 1.0 + 1e-6
+"""with the rounding of files in single precision"""
 DAMAGE_OF_RESPONSES = (
     OSError,
     TypeError,
@@ -31,10 +33,19 @@ DAMAGE_OF_RESPONSES = (
 
 @dataclass(frozen=True, eq=False)
 class FrequencyData:
-    """f (k,) [Hz] ascending, and accelerances (k, n_o, n_i) [1/kg] of channels by hits."""
+    """f (k,) [Hz] ascending, and accelerances (k, n_o, n_i) [1/kg] of channels by hits.
+
+    coherence (k, n_o, n_i): of each, None where the file has none.
+    """
 
     f: Array
     H: Complex
+    coherence: Array | None = None
+
+    def lines(self, used: IntArray) -> "FrequencyData":
+        """The lines of some numbers."""
+        coherence = None if self.coherence is None else self.coherence[used]
+        return FrequencyData(self.f[used], self.H[used], coherence)
 
     def laplace(self, window: float) -> Complex:
         """s (k,) [1/s] of the lines, under an exponential window [1/s]."""
@@ -52,9 +63,10 @@ def read_responses(
     """
     suffix = path.suffix.lower()
     if suffix in (".uff", ".unv"):
-        f, H, found = read_uff(path, channels, hits)
+        sets = read_uff(path, channels, hits)
+        f, H, found, coherence = sets.f, sets.H, sets.quantity, sets.coherence
     elif suffix in ARRAY_READERS:
-        f, H, found = _of_arrays(path, channels, hits)
+        f, H, found, coherence = _of_arrays(path, channels, hits)
     else:
         known = ", ".join([".uff", ".unv", *ARRAY_READERS])
         raise MeasurementError(f"{path}: expected a file {known}, found {suffix or 'no suffix'}")
@@ -73,29 +85,38 @@ def read_responses(
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
+    if coherence is not None and not ((coherence >= 0.0) & (coherence <= MOST_COHERENCE)).all():
+        raise MeasurementError(f"{path}: coherence: expected numbers from 0 to 1, found others")
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
-    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None])
+    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
 
 
-def _of_arrays(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array, Complex, str]:
+def _of_arrays(
+    path: Path, channels: ChannelTable, hits: HitTable
+) -> tuple[Array, Complex, str, Array | None]:
     with about(path, MeasurementError, "file", "not readable arrays", DAMAGE_OF_RESPONSES):
         arrays = ARRAY_READERS[path.suffix.lower()](path)
     if missing := [key for key in ("f", "H") if key not in arrays]:
         raise MeasurementError(f"{path}: expected the arrays f and H, found no {missing[0]}")
     f = np.asarray(arrays["f"], dtype=float).ravel()
     H = np.asarray(arrays["H"], dtype=complex)
+    coherence = np.asarray(arrays["coherence"], dtype=float) if "coherence" in arrays else None
     shape = (len(f), len(channels.names), len(hits.labels))
-    if H.shape != shape:
-        raise MeasurementError(
-            f"{path}: H: expected frequencies, channels and hits {shape}, found {H.shape}"
-        )
+    for key, values in (("H", H), ("coherence", coherence)):
+        if values is not None and values.shape != shape:
+            raise MeasurementError(
+                f"{path}: {key}: expected frequencies, channels and hits {shape}, found "
+                f"{values.shape}"
+            )
     for axis, key, names in ((1, "outputs", channels.names), (2, "inputs", hits.labels)):
         if key in arrays:
             given = [str(name).strip() for name in np.ravel(arrays[key])]
-            H = np.take(H, _places(path, key, given, names), axis=axis)
+            places = _places(path, key, given, names)
+            H = np.take(H, places, axis=axis)
+            coherence = None if coherence is None else np.take(coherence, places, axis=axis)
     quantity = "".join(str(part) for part in np.ravel(arrays.get("quantity", "")))
-    return f, H, quantity
+    return f, H, quantity, coherence
 
 
 def _places(path: Path, key: str, given: list[str], names: tuple[str, ...]) -> list[int]:
@@ -117,7 +138,7 @@ def _of_hdf5(path: Path) -> Mapping[str, Any]:
 
     with opened(path, MeasurementError) as file:
         arrays: dict[str, Any] = {}
-        for key in ("f", "H", "outputs", "inputs", "quantity"):
+        for key in ("f", "H", "coherence", "outputs", "inputs", "quantity"):
             if key in file:
                 text = h5py.check_string_dtype(file[key].dtype) is not None
                 arrays[key] = file[key].asstr()[()] if text else whole(file[key])

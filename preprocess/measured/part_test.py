@@ -9,6 +9,7 @@ from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
 from ..identification.responses import Measurement
 from .channels import ChannelTable, read_channels
+from .coherence import require_coherence
 from .coordinates import TestCoordinates, coordinates_of
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
@@ -34,7 +35,8 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
     low, high = asked.lowest, asked.band[1]
     used = (data.f >= low) & (data.f <= high)
-    chosen = FrequencyData(data.f[used], data.H[used])
+    chosen = data.lines(np.flatnonzero(used))
+    require_coherence(asked.frf, chosen)
     # Coordinates move about the center, which the responses may have to tell.
     rigid = rigid_properties(asked, channels, hits, chosen)
     coordinates = coordinates_of(body.interfaces, channels, hits, rigid.center)
