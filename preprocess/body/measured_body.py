@@ -13,7 +13,7 @@ from .impulse import Impulse
 from .named_body import NamedBody
 from .values import FilePath, InertiaTensor
 
-MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
+MeasuredQuantity = Literal["accelerance", "mobility", "receptance", "impulse"]
 
 
 BY_RESPONSES: Literal["frf"] = "frf"
@@ -85,12 +85,13 @@ class FrequencyTest(Table):
     """A test of a free part: its frequency responses, and where it was hit and measured.
 
     frf: responses, by UFF58 (.uff, .unv), NumPy (.npz), HDF5 (.h5) or MATLAB (.mat); quantity: what
-    they are per force where the file does not say. channels and hits: tables (.csv) of places and
-    directions [m]. band [Hz]: the lines that are used. window [1/s]: the rate of an exponential
-    window on force and response. sensor_mass [kg]: of each sensor, all of which stayed mounted; it
-    is taken away. suspension [Hz]: the highest of the six frequencies of the part on its cords;
-    lines below five times that are not used. poles: frequencies [Hz] and damping ratios of another
-    program, in place of the search; they are refined. accept: the largest misfit of the fit.
+    they are per force where the file does not say, or "impulse" for responses over time. channels
+    and hits: tables (.csv) of places and directions [m]. band [Hz]: the lines that are used. window
+    [1/s]: the rate of an exponential window on force and response. sensor_mass [kg]: of each
+    sensor, all of which stayed mounted; it is taken away. suspension [Hz]: the highest of the six
+    frequencies of the part on its cords; lines below five times that are not used. poles:
+    frequencies [Hz] and damping ratios of another program, in place of the search; they are
+    refined. accept: the largest misfit of the fit.
     """
 
     frf: FilePath

@@ -54,6 +54,8 @@ CORDS = "h301", "h302", "s1"
 CORNERS = "h101", "h201"
 """between which a dashpot may be"""
 BAND = 20.0, 5000.0
+FASTEST = 6400.0
+"""half the rate of responses over time [Hz]"""
 
 
 @dataclass(frozen=True)
@@ -211,10 +213,15 @@ def write_tables(folder: Path) -> None:
 
 
 @lru_cache
-def measure(errors: Errors = Errors()) -> Bench:
-    """Responses of the truth with the errors of a test; sensors load the part in all hits."""
+def measure(errors: Errors = Errors(), resolution: float = 0.0) -> Bench:
+    """Responses of the truth with the errors of a test; sensors load the part in all hits.
+
+    resolution [Hz]: of even lines from 0 to FASTEST; else there are more of them below 700 Hz.
+    """
     part, rng = truth(), np.random.default_rng(errors.seed)
     f = np.concatenate([np.arange(BAND[0], 700.0, 1.0), np.arange(700.0, BAND[1] + 1.0, 4.0)])
+    if resolution:
+        f = np.arange(0.0, FASTEST + 0.5 * resolution, resolution)
     s = 2j * np.pi * f + errors.window
     outputs = [_turned(part.rows(f"s{label}"), errors, rng) for label in SENSORS]
     inputs = []
