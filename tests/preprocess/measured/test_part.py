@@ -237,7 +237,7 @@ def spoilt(**changes):
         ),
         (
             spoilt(quantity="speed"),
-            "expected one of accelerance, mobility, receptance, found 'speed'",
+            "expected one of accelerance, mobility, receptance, impulse, found 'speed'",
         ),
         (spoilt(outputs=["a"] * 24), "outputs: expected those of the table, each once; 1:x is not"),
         (spoilt(f=np.zeros(700)), r"H: expected|expected 20 frequencies \[Hz\] or more, ascending"),
