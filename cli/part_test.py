@@ -91,15 +91,17 @@ def _test(part: IdentifiedPart) -> Iterator[Row]:
     yield "lines", f"{len(f)} from {f[0]:g} to {f[-1]:g} Hz"
     for name, rows in test.coordinates.interfaces.items():
         yield f"  {name}", f"{rows.stop - rows.start} dofs"
+    if test.rigid.told:
+        yield "rigid motion", test.rigid.told
     if test.coordinates.sensors:
         yield "sensors", ", ".join(test.coordinates.sensors)
 
 
 def _modes(part: IdentifiedPart) -> Iterator[Row]:
     fit = part.found.fit
-    yield "modes", f"{len(fit.omega)}, frequencies and damping ratios"
-    for frequency, zeta in zip(fit.frequencies, fit.zeta, strict=True):
-        yield f"  {frequency:.5g} Hz", f"{100.0 * zeta:.3g} %"
+    yield "modes", f"{len(fit.omega)}, frequencies and damping ratios, part out of phase"
+    for frequency, zeta, share in zip(fit.frequencies, fit.zeta, part.phases.shares, strict=True):
+        yield f"  {frequency:.5g} Hz", f"{100.0 * zeta:.3g} %, {100.0 * share:.2g} %"
 
 
 def _misfits(part: IdentifiedPart) -> Iterator[Row]:

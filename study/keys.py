@@ -12,6 +12,9 @@ from typing import Any
 from ..inputs import dotted, quoted
 from .errors import StudyError
 
+WORDS_FOR_PATHS = ("frf",)
+"""texts at keys of paths that are none: mass `from` the responses, in place of a file"""
+
 
 def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """The values of a table and of the tables inside, without the tables, by dotted keys."""
@@ -29,14 +32,15 @@ def matching(document: Mapping[str, Any], patterns: Sequence[str]) -> Iterator[t
     """
     for pattern in patterns:
         for key, text in _texts(document, ""):
-            if fnmatchcase(key, pattern):
+            if fnmatchcase(key, pattern) and text not in WORDS_FOR_PATHS:
                 yield key, text
 
 
 def with_texts(value: Any, key: str, patterns: Sequence[str], change: Callable[[str], str]) -> Any:
     """A copy of the value at a key, in which texts whose keys match a pattern are changed."""
     if isinstance(value, str):
-        return change(value) if any(fnmatchcase(key, pattern) for pattern in patterns) else value
+        named = any(fnmatchcase(key, pattern) for pattern in patterns)
+        return change(value) if named and value not in WORDS_FOR_PATHS else value
     if isinstance(value, Mapping):
         return {
             name: with_texts(entry, below(key, name), patterns, change)

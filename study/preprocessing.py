@@ -25,6 +25,7 @@ class Preprocessing:
         "measured.modes",
         "measured.channels",
         "measured.hits",
+        "measured.rigid.from",
     )
     columns: ClassVar[tuple[str, ...]] = ("seconds", "mass", "first_frequency", "modes", "error")
 

@@ -87,6 +87,8 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
     if element.measured is not None:
         for frequency, pair in measured_pairs(element.measured):
             typer.echo(one_line(f"measured: {frequency.strip()}, {pair}"))
+    if isinstance(body, preprocess.MeasuredBody):
+        typer.echo(one_line(element.provenance.method))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:

@@ -4,47 +4,94 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from pydantic import ConfigDict, Field, NonNegativeFloat, PositiveFloat
 
 from ...inputs import FORM_OF_NAMES, Table, Vector, expected, is_name, quoted, rule
 from ...superelement import sha256
+from ...superelement.validation import Array
 from .impulse import Impulse
 from .named_body import NamedBody
 from .values import FilePath, InertiaTensor
 
-MeasuredQuantity = Literal["accelerance", "mobility", "receptance"]
+MeasuredQuantity = Literal["accelerance", "mobility", "receptance", "impulse"]
+
+
+BY_RESPONSES: Literal["frf"] = "frf"
+BEYOND_BAND = 1.12
+"""of the upper end of the band: the flank of a mode just above it is in it"""
+LINES_OVER_SUSPENSION = 5.0
+"""lowest line over the highest frequency on the cords: there these change responses by 4 %"""
 
 
 class RigidPart(Table):
     """The mass [kg] of the part, its center [m] and its inertia about that [kg m^2].
 
     In the axes of the channels; of the part alone, without what was mounted on it. inertia:
-    principal values along these axes, or a 3x3 matrix.
+    principal values along these axes, or a 3x3 matrix. from: "frf" takes them from the responses
+    below the first resonance, where mass may be given too, and scales the inertia; the path of a
+    superelement (.h5) takes them from that.
     """
 
-    mass: PositiveFloat
-    center: Vector
-    inertia: InertiaTensor
+    model_config = ConfigDict(populate_by_name=True)
+
+    mass: PositiveFloat | None = None
+    center: Vector | None = None
+    inertia: InertiaTensor | None = None
+    source: Annotated[
+        Literal["frf"] | FilePath | None, expected('"frf" or the path of a superelement')
+    ] = Field(default=None, alias="from")
+
+    @rule
+    def _from_one_source(self) -> None:
+        own = self.given("mass", "center", "inertia")
+        if self.source is None:
+            if missing := [key for key in ("mass", "center", "inertia") if key not in own]:
+                raise ValueError(f"expected mass, center and inertia, or from, no {missing[0]}")
+            return
+        allowed = {"mass"} if self.source == BY_RESPONSES else set()
+        if others := sorted(set(own) - allowed):
+            raise ValueError(
+                f"from: expected to be alone, for {self.source} has all of them, found "
+                f"{', '.join(others)} too"
+            )
 
     @rule
     def _of_a_body(self) -> None:
+        if self.inertia is None:
+            return
         J = np.array(self.inertia)
-        first, second, third = np.linalg.eigvalsh(0.5 * (J + J.T))
-        if not np.array_equal(J, J.T) or not first > 0.0 or first + second < third:
+        if not np.array_equal(J, J.T) or not is_inertia(J):
             raise ValueError(
                 "inertia: expected three positive principal moments, none of them larger than the "
                 f"sum of the others, found {J.tolist()}"
             )
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return (self.source,) if isinstance(self.source, Path) else ()
+
+    def relative_to(self, folder: Path) -> "RigidPart":
+        source = folder / self.source if isinstance(self.source, Path) else self.source
+        return self.model_copy(update={"source": source})
+
+
+def is_inertia(J: Array) -> bool:
+    """Whether a body can have this symmetric tensor."""
+    first, second, third = np.linalg.eigvalsh(J)
+    return bool(first > 0.0 and first + second >= third)
 
 
 class FrequencyTest(Table):
     """A test of a free part: its frequency responses, and where it was hit and measured.
 
     frf: responses, by UFF58 (.uff, .unv), NumPy (.npz), HDF5 (.h5) or MATLAB (.mat); quantity: what
-    they are per force where the file does not say. channels and hits: tables (.csv) of places and
-    directions [m]. band [Hz]: the lines that are used. window [1/s]: the rate of an exponential
-    window on force and response. sensor_mass [kg]: of each sensor, all of which stayed mounted; it
-    is taken away. accept: the largest misfit of the fit.
+    they are per force where the file does not say, or "impulse" for responses over time. channels
+    and hits: tables (.csv) of places and directions [m]. band [Hz]: the lines that are used. window
+    [1/s]: the rate of an exponential window on force and response. sensor_mass [kg]: of each
+    sensor, all of which stayed mounted; it is taken away. suspension [Hz]: the highest of the six
+    frequencies of the part on its cords; lines below five times that are not used. poles:
+    frequencies [Hz] and damping ratios of another program, in place of the search; they are
+    refined. accept: the largest misfit of the fit.
     """
 
     frf: FilePath
@@ -54,6 +101,15 @@ class FrequencyTest(Table):
     band: Annotated[tuple[PositiveFloat, PositiveFloat], expected("two frequencies [Hz]")]
     window: NonNegativeFloat = 0.0
     sensor_mass: NonNegativeFloat = 0.0
+    suspension: PositiveFloat | None = None
+    poles: (
+        Annotated[
+            tuple[tuple[PositiveFloat, PositiveFloat], ...],
+            Field(min_length=1),
+            expected("pairs of a frequency [Hz] and a damping ratio"),
+        ]
+        | None
+    ) = None
     accept: Annotated[float, Field(gt=0.0, le=1.0), expected("a number above 0 and up to 1")] = 0.3
     rigid: RigidPart
 
@@ -62,13 +118,28 @@ class FrequencyTest(Table):
         if not self.band[0] < self.band[1]:
             raise ValueError(f"band: expected the lower frequency first, found {list(self.band)}")
 
+    @rule
+    def _poles_of_the_band(self) -> None:
+        low, high = self.band[0], BEYOND_BAND * self.band[1]
+        for frequency, zeta in self.poles or ():
+            if not (low < frequency < high and zeta < 1.0):
+                raise ValueError(
+                    f"poles: expected frequencies from {low:g} to {high:g} Hz and damping ratios "
+                    f"below 1, found [{frequency:g}, {zeta:g}]"
+                )
+
+    @property
+    def lowest(self) -> float:
+        """The frequency [Hz] from which on lines are used."""
+        return max(self.band[0], LINES_OVER_SUSPENSION * (self.suspension or 0.0))
+
     @property
     def files(self) -> tuple[Path, ...]:
-        return self.frf, self.channels, self.hits
+        return self.frf, self.channels, self.hits, *self.rigid.files
 
     def relative_to(self, folder: Path) -> "FrequencyTest":
         paths = {key: folder / getattr(self, key) for key in ("frf", "channels", "hits")}
-        return self.model_copy(update=paths)
+        return self.model_copy(update={**paths, "rigid": self.rigid.relative_to(folder)})
 
 
 class VirtualPoint(Table):
@@ -150,4 +221,7 @@ class MeasuredBody(NamedBody):
         return self.model_copy(update={"measured": self.measured.relative_to(folder)})
 
     def _values(self) -> dict[str, Any]:
-        return self.model_dump(exclude={"measured": {"frf", "channels", "hits"}})
+        paths: dict[str, Any] = {"frf": True, "channels": True, "hits": True}
+        if self.measured.rigid.files:
+            paths["rigid"] = {"source": True}
+        return self.model_dump(exclude={"measured": paths})

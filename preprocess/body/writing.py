@@ -44,7 +44,7 @@ def write_body(body: AnyBody, path: str | os.PathLike[str]) -> None:
     """
     path = Path(path)
     # Only what was given: defaults may change, and a file is to stay as its author meant it.
-    table = body.model_dump(exclude_unset=True, exclude_none=True)
+    table = body.model_dump(exclude_unset=True, exclude_none=True, by_alias=True)
     if isinstance(body, Body) and isinstance(body.mesh, Mesh):
         beside = path.with_suffix(".vtu")
         write_mesh(body.mesh, beside)

@@ -57,7 +57,7 @@ def identify(measured: Measurement, poles: Array | None = None) -> Identificatio
         trial = _with_poles(measured, np.vstack([own, [omega, DAMPING_OF_NEW]]))
         if trial.fit.misfit > (1.0 - LEAST_GAIN) * found.fit.misfit:
             break
-        found = trial
+        found = replace(trial, dropped=np.vstack([found.dropped, trial.dropped]))
         added.append(omega / (2.0 * np.pi))
     return replace(found, added=np.array(added))
 

@@ -10,6 +10,7 @@ Trans. Power Delivery 14 (1999) 1052-1061; B. Gustavsen, ibid. 21 (2006) 1587-15
 import numpy as np
 
 from ...files.arrays import Array, Complex
+from ..body.measured_body import BEYOND_BAND
 from .responses import Measurement
 
 POLE_PAIRS = (14, 18, 22)
@@ -26,8 +27,6 @@ SAME_FREQUENCY, SAME_DAMPING = 0.01, 0.5
 FOUND_BY = 0.6
 """of the orders"""
 DAMPING_RANGE = 1e-5, 0.1
-BEYOND_BAND = 1.12
-"""of the highest frequency: the flank of a mode just above the band is in it"""
 DAMPING_AT_START = 0.01
 RIDGE_OF_POLES = 1e-12
 """of the diagonal of normal equations, for poles that coincide"""

@@ -88,7 +88,9 @@ def coordinates_of(
         if name := at_sensor[label]:
             own, lever = interfaces[name], X - np.array(points[name].at)
             motions[label] = np.zeros((3, first[-1]))
-            motions[label][:, own] = [_row(lever, e)[: own.stop - own.start] for e in SPACE_AXES]
+            motions[label][:, own] = [
+                rigid_row(lever, e)[: own.stop - own.start] for e in SPACE_AXES
+            ]
     rigid = np.vstack([block.rigid for block in blocks])
     return TestCoordinates(outputs, inputs, rigid, interfaces, sensors, places, motions)
 
@@ -104,13 +106,13 @@ def _of_point(
         ("hits", hits, point.hits),
     ):
         rows[key] = {
-            k: _row(table.points[k] - X, table.directions[k])[:n]
+            k: rigid_row(table.points[k] - X, table.directions[k])[:n]
             for k, label in enumerate(table.labels)
             if label in labels
         }
         _require_rank(name, key, np.array(list(rows[key].values())))
     turns = np.hstack([np.zeros((3, 3)), SPACE_AXES])
-    rigid = np.vstack([*(_row(X - center, e) for e in SPACE_AXES), *turns])
+    rigid = np.vstack([*(rigid_row(X - center, e) for e in SPACE_AXES), *turns])
     return CoordinateBlock(rigid[:n], rows["channels"], rows["hits"])
 
 
@@ -120,7 +122,7 @@ def _of_sensor(label: str, channels: ChannelTable, center: Array) -> CoordinateB
     directions, triaxial = channels.directions[mine], _is_triaxial(channels, label)
     axes = SPACE_AXES if triaxial else directions
     rows = directions if triaxial else np.eye(len(mine))
-    rigid = np.array([_row(channels.points[mine[0]] - center, e) for e in axes])
+    rigid = np.array([rigid_row(channels.points[mine[0]] - center, e) for e in axes])
     return CoordinateBlock(rigid, dict(zip(mine, rows, strict=True)), {})
 
 
@@ -134,11 +136,12 @@ def _is_triaxial(channels: ChannelTable, label: str) -> bool:
 
 
 def _of_hit(k: int, hits: HitTable, center: Array) -> CoordinateBlock:
-    rigid = _row(hits.points[k] - center, hits.directions[k])[None]
+    rigid = rigid_row(hits.points[k] - center, hits.directions[k])[None]
     return CoordinateBlock(rigid, {}, {k: np.ones(1)})
 
 
-def _row(lever: Array, e: Array) -> Array:
+def rigid_row(lever: Array, e: Array) -> Array:
+    """[e, lever x e] (6,): the motion along e, of a point at the end of a lever."""
     return np.concatenate([e, np.cross(lever, e)])
 
 

@@ -7,16 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from ...files.arrays import Array, Complex
+from ...files.arrays import Array, Complex, IntArray
 from ...files.hdf5 import opened, whole
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
 from .hits import HitTable
 from .uff import read_uff
 
-POWERS_OF_S = {"accelerance": 0, "mobility": 1, "receptance": 2}
+OVER_TIME = "impulse"
+POWERS_OF_S = {"accelerance": 0, "mobility": 1, "receptance": 2, OVER_TIME: 0}
 """of s that make each of them an accelerance"""
 LEAST_LINES = 20
+END_OF_RESPONSE, LARGEST_END = (0.8, 0.9), 1e-2
+"""part of an impulse response, and what it may have of a line: a mode then has 1 % of its vibration
+left at the end, which leaks into other lines; the last tenth may be times before the hit"""
+MOST_COHERENCE = 1.0 + 1e-6
+"""with the rounding of files in single precision"""
 DAMAGE_OF_RESPONSES = (
     OSError,
     TypeError,
@@ -31,10 +37,23 @@ DAMAGE_OF_RESPONSES = (
 
 @dataclass(frozen=True, eq=False)
 class FrequencyData:
-    """f (k,) [Hz] ascending, and accelerances (k, n_o, n_i) [1/kg] of channels by hits."""
+    """f (k,) [Hz] ascending, and accelerances (k, n_o, n_i) [1/kg] of channels by hits.
+
+    coherence (k, n_o, n_i): of each, None where the file has none.
+    """
 
     f: Array
     H: Complex
+    coherence: Array | None = None
+
+    def lines(self, used: IntArray) -> "FrequencyData":
+        """The lines of some numbers."""
+        coherence = None if self.coherence is None else self.coherence[used]
+        return FrequencyData(self.f[used], self.H[used], coherence)
+
+    def laplace(self, window: float) -> Complex:
+        """s (k,) [1/s] of the lines, under an exponential window [1/s]."""
+        return np.asarray(2j * np.pi * self.f + window, dtype=complex)
 
 
 def read_responses(
@@ -48,9 +67,10 @@ def read_responses(
     """
     suffix = path.suffix.lower()
     if suffix in (".uff", ".unv"):
-        f, H, found = read_uff(path, channels, hits)
+        sets = read_uff(path, channels, hits)
+        f, H, found, coherence = sets.f, sets.H, sets.quantity, sets.coherence
     elif suffix in ARRAY_READERS:
-        f, H, found = _of_arrays(path, channels, hits)
+        f, H, found, coherence = _of_arrays(path, channels, hits)
     else:
         known = ", ".join([".uff", ".unv", *ARRAY_READERS])
         raise MeasurementError(f"{path}: expected a file {known}, found {suffix or 'no suffix'}")
@@ -61,6 +81,11 @@ def read_responses(
             f"{path}: the file does not say what it has: measured.quantity: expected one of "
             f"{', '.join(POWERS_OF_S)}, found none"
         )
+    if kind == OVER_TIME and found != OVER_TIME:
+        raise MeasurementError(
+            f'{path}: measured.quantity = "impulse": expected the arrays response and step, found '
+            "functions of frequency"
+        )
     if kind not in POWERS_OF_S:
         raise MeasurementError(f"{path}: expected one of {', '.join(POWERS_OF_S)}, found {kind!r}")
     if not np.isfinite(H).all() or not np.isfinite(f).all():
@@ -69,29 +94,82 @@ def read_responses(
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
+    if coherence is not None and not ((coherence >= 0.0) & (coherence <= MOST_COHERENCE)).all():
+        raise MeasurementError(f"{path}: coherence: expected numbers from 0 to 1, found others")
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
-    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None])
+    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
 
 
-def _of_arrays(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array, Complex, str]:
+def _of_arrays(
+    path: Path, channels: ChannelTable, hits: HitTable
+) -> tuple[Array, Complex, str, Array | None]:
     with about(path, MeasurementError, "file", "not readable arrays", DAMAGE_OF_RESPONSES):
         arrays = ARRAY_READERS[path.suffix.lower()](path)
+    if "response" in arrays and "H" not in arrays:
+        arrays = _transformed(path, arrays)
+    elif "".join(str(part) for part in np.ravel(arrays.get("quantity", ""))) == OVER_TIME:
+        raise MeasurementError(f"{path}: expected the arrays response and step, found none")
     if missing := [key for key in ("f", "H") if key not in arrays]:
         raise MeasurementError(f"{path}: expected the arrays f and H, found no {missing[0]}")
     f = np.asarray(arrays["f"], dtype=float).ravel()
     H = np.asarray(arrays["H"], dtype=complex)
+    coherence = np.asarray(arrays["coherence"], dtype=float) if "coherence" in arrays else None
     shape = (len(f), len(channels.names), len(hits.labels))
-    if H.shape != shape:
-        raise MeasurementError(
-            f"{path}: H: expected frequencies, channels and hits {shape}, found {H.shape}"
-        )
+    for key, values in (("H", H), ("coherence", coherence)):
+        if values is not None and values.shape != shape:
+            raise MeasurementError(
+                f"{path}: {key}: expected frequencies, channels and hits {shape}, found "
+                f"{values.shape}"
+            )
     for axis, key, names in ((1, "outputs", channels.names), (2, "inputs", hits.labels)):
         if key in arrays:
             given = [str(name).strip() for name in np.ravel(arrays[key])]
-            H = np.take(H, _places(path, key, given, names), axis=axis)
+            places = _places(path, key, given, names)
+            H = np.take(H, places, axis=axis)
+            coherence = None if coherence is None else np.take(coherence, places, axis=axis)
     quantity = "".join(str(part) for part in np.ravel(arrays.get("quantity", "")))
-    return f, H, quantity
+    return f, H, quantity, coherence
+
+
+def _transformed(path: Path, arrays: Mapping[str, Any]) -> dict[str, Any]:
+    """Arrays of impulse responses (n, n_o, n_i) [1/(kg s)] as those of frequency responses.
+
+    H = step sum_n response_n exp(-i omega n step), at the frequencies of the FFT.
+    """
+    said = "".join(str(part) for part in np.ravel(arrays.get("quantity", OVER_TIME)))
+    if said != OVER_TIME:
+        raise MeasurementError(f"{path}: response: expected the quantity impulse, found {said!r}")
+    step = np.ravel(arrays.get("step", ()))
+    if len(step) != 1 or not float(step[0]) > 0.0:
+        raise MeasurementError(f"{path}: expected step, the time between responses [s], found none")
+    response = np.asarray(arrays["response"], dtype=float)
+    if response.ndim != 3 or len(response) < 2 * LEAST_LINES:
+        raise MeasurementError(
+            f"{path}: response: expected {2 * LEAST_LINES} times or more, by channels and hits, "
+            f"found {response.shape}"
+        )
+    _require_decay(path, response)
+    f = np.fft.rfftfreq(len(response), float(step[0]))
+    H = float(step[0]) * np.fft.rfft(response, axis=0)
+    kept = {key: value for key, value in arrays.items() if key in ("outputs", "inputs")}
+    return {**kept, "f": f, "H": H, "quantity": OVER_TIME}
+
+
+def _require_decay(path: Path, response: Array) -> None:
+    """`MeasurementError` where impulse responses go on at their end."""
+    first, last = (round(part * len(response)) for part in END_OF_RESPONSE)
+    whole, end = (
+        np.sqrt(np.mean(np.abs(np.fft.rfft(part, len(response), axis=0)) ** 2, axis=(1, 2)))
+        for part in (response, response[first:last])
+    )
+    # Over time slow modes are hidden by fast ones: by lines they are not.
+    if (largest := float((end / np.maximum(whole, 1e-300)).max())) > LARGEST_END:
+        raise MeasurementError(
+            f"{path}: response: its ninth tenth has {largest:.1%} of some line, "
+            f"expected at most {LARGEST_END:.0%}: it has not come to rest; measure longer, or with "
+            "an exponential window (measured.window)"
+        )
 
 
 def _places(path: Path, key: str, given: list[str], names: tuple[str, ...]) -> list[int]:
@@ -113,7 +191,8 @@ def _of_hdf5(path: Path) -> Mapping[str, Any]:
 
     with opened(path, MeasurementError) as file:
         arrays: dict[str, Any] = {}
-        for key in ("f", "H", "outputs", "inputs", "quantity"):
+        keys = ("f", "H", "response", "step", "coherence", "outputs", "inputs", "quantity")
+        for key in keys:
             if key in file:
                 text = h5py.check_string_dtype(file[key].dtype) is not None
                 arrays[key] = file[key].asstr()[()] if text else whole(file[key])

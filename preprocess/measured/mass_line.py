@@ -10,10 +10,12 @@ response tests.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ...files.arrays import Array
+from ...files.arrays import Array, Complex
 from ..identification.responses import Measurement
 from .channels import ChannelTable
 from .hits import HitTable
@@ -29,9 +31,52 @@ LARGEST_OFFSET = 0.03
 """of the extent of the part; honest tests are within 0.026"""
 ROBUST_STEPS = 30
 ROBUST_FLOOR = 0.01
-"""of the mean error, below which errors count as none"""
+"""of the median error, below which errors count as none"""
+LEAST_CHANNELS = 6
+"""that must be right to tell what a hit did"""
 KNOWN_GAINS = {1.0 / 9.80665: "in g?", 9.80665: "in g?", 1e-3: "in mm?", 1e3: "in mm?"}
 SAME_GAIN = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class MassLine:
+    """The lines below the first resonance.
+
+    f (k,) [Hz]; x (k,): their squares over that of the resonance; H (k, n_o, n_i): real parts.
+    """
+
+    f: Array
+    x: Array
+    H: Array
+
+    @cached_property
+    def rigid(self) -> Array:
+        """A (n_o, n_i): what the rigid motion is of the responses."""
+        # Polynomials in x, which have a third term, carry five times the noise to f = 0.
+        functions = np.column_stack([np.ones_like(self.x), self.x / (1.0 - self.x)])
+        values = self.H.reshape(len(self.x), -1)
+        found = np.linalg.lstsq(functions, values, rcond=None)[0]
+        return np.asarray(found[0].reshape(self.H.shape[1:]))
+
+
+def mass_line(s: Complex, H: Complex) -> MassLine | None:
+    """The mass line of accelerances (k, n_o, n_i) at s (k,), None where it has too few lines."""
+    if len(s) < LEAST_OF_LINE:
+        return None
+    level = np.sqrt(np.mean(np.abs(H) ** 2, axis=(1, 2)))
+    peaks = np.flatnonzero(level > FIRST_PEAK * np.median(level[:FIRST_LINES]))
+    if not len(peaks):
+        return None
+    # The peak itself: where the level has risen it still rises.
+    first = int(peaks[0])
+    while first + 1 < len(level) and level[first + 1] > level[first]:
+        first += 1
+    omega = s.imag
+    lines = omega < PART_OF_RESONANCE * omega[first]
+    if lines.sum() < LEAST_OF_LINE:
+        return None
+    f = omega[lines] / (2.0 * np.pi)
+    return MassLine(f, (omega[lines] / omega[first]) ** 2, H[lines].real)
 
 
 def doubts_of_mass_line(
@@ -41,14 +86,14 @@ def doubts_of_mass_line(
 
     One line for the mass where it is that which is wrong.
     """
-    A = _mass_line(measured)
-    if A is None:
+    line = mass_line(measured.s, measured.H)
+    if line is None:
         yield (
             f"fewer than {LEAST_OF_LINE} lines below the first resonance: whether channels, hits "
             "and mass are right cannot be checked"
         )
         return
-    outputs = measured.outputs @ measured.rigid
+    A, outputs = line.rigid, measured.outputs @ measured.rigid
     given = measured.inputs @ measured.rigid
     forces = [_wrench(outputs, a, measured.M) for a in A.T]
     mass = float(np.median([np.linalg.norm(wrench[:3]) for wrench in forces]))
@@ -74,32 +119,12 @@ def doubts_of_mass_line(
         found = list(_of_sensor(readings, by_wrench[:, used], channels, rows, center, size))
         right[rows] = not found
         yield from found
+    if right.sum() < LEAST_CHANNELS:
+        return
     # What wrong sensors say of hits counts no longer.
     for j, label in enumerate(hits.labels):
         wrench = _wrench(outputs[right], A[right, j], measured.M)
         yield from _of_hit(wrench, given[j], places[j], label, size)
-
-
-def _mass_line(measured: Measurement) -> Array | None:
-    """A (n_o, n_i) of the lines below the first resonance, None where there are too few."""
-    level = 1.0 / measured.weights
-    peaks = np.flatnonzero(level > FIRST_PEAK * np.median(level[:FIRST_LINES]))
-    if not len(peaks):
-        return None
-    # The peak itself: where the level has risen it still rises.
-    first = int(peaks[0])
-    while first + 1 < len(level) and level[first + 1] > level[first]:
-        first += 1
-    omega = measured.s.imag
-    lines = omega < PART_OF_RESONANCE * omega[first]
-    if lines.sum() < LEAST_OF_LINE:
-        return None
-    x = (omega[lines] / omega[first]) ** 2
-    # Polynomials in x, which have a third term, carry five times the noise to f = 0.
-    functions = np.column_stack([np.ones_like(x), x / (1.0 - x)])
-    values = measured.H[lines].real.reshape(len(x), -1)
-    found = np.linalg.lstsq(functions, values, rcond=None)[0]
-    return np.asarray(found[0].reshape(measured.H.shape[1:]))
 
 
 def _robust(rows: Array, values: Array) -> Array:
@@ -110,7 +135,7 @@ def _robust(rows: Array, values: Array) -> Array:
         weighted = weights[:, None] * rows, weights[:, None] * values
         found = np.asarray(np.linalg.lstsq(*weighted, rcond=None)[0])
         errors = np.linalg.norm(rows @ found - values, axis=1)
-        weights = 1.0 / np.sqrt(np.maximum(errors, ROBUST_FLOOR * errors.mean() + 1e-300))
+        weights = 1.0 / np.sqrt(np.maximum(errors, ROBUST_FLOOR * np.median(errors) + 1e-300))
     return found
 
 

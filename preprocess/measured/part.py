@@ -1,11 +1,11 @@
 """A superelement of a part from its frequency response test."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import metadata
 
 import numpy as np
 
+from ...files.arrays import Array
 from ...files.blas import one_blas_thread
 from ...superelement import (
     Channels,
@@ -20,21 +20,24 @@ from ...superelement import (
 from ...superelement.superelement import TESTED_METHOD
 from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
+from ..identification.complexity import OutOfPhase, out_of_phase
 from ..identification.identify import Identification, identify
 from ..identification.loading import FreeModes, without_masses
 from ..identification.responses import REST_DAMPING, Measurement
 from ..progress import Stages
-from .mass_line import doubts_of_mass_line
+from .delays import delays_of
+from .doubts import (
+    BAND_OF_TEST,
+    LARGEST_SHARE,
+    doubts_of_fit,
+    doubts_of_test,
+    most_out_of_phase,
+    too_complex,
+)
 from .part_test import PartTest, loaded_mass, measurement_of, read_part_test, sensor_motions
 from .update import SENSOR_NAME
 
 TOLD_DOUBTS = 3
-DOUBTED_MISFIT = 0.1
-"""of a fit, of which a warning tells"""
-DOUBTED_SIGN = 0.9
-"""of the driving points of a mode: of true ones it is above 0.99"""
-BAND_OF_TEST = 0.9
-"""of the highest frequency: above it the flanks of modes beyond the band are missing"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,7 @@ class IdentifiedPart:
     test: PartTest
     measurement: Measurement
     found: Identification
+    phases: OutOfPhase
     doubts: tuple[str, ...]
 
 
@@ -53,27 +57,41 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
         test = read_part_test(body)
         measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
-        center = np.array(body.measured.rigid.center)
-        doubts = list(doubts_of_mass_line(measurement, test.channels, test.hits, center))
-        found = identify(measurement)
-    return IdentifiedPart(test, measurement, found, (*doubts, *_doubts_of_fit(found)))
+        doubts = list(doubts_of_test(test, measurement))
+        found = identify(measurement, _given_poles(body))
+        delays = delays_of(measurement, found.fit)
+        # What is late is out of phase, and is told as that.
+        phases = out_of_phase(delays.undone(measurement), found.fit)
+        doubts += doubts_of_fit(test, measurement, found, delays, phases)
+    return IdentifiedPart(test, measurement, found, phases, tuple(doubts))
+
+
+def _given_poles(body: MeasuredBody) -> Array | None:
+    """Circular frequencies and damping ratios (p, 2) of the body file, None if it has none."""
+    given = body.measured.poles
+    return None if given is None else np.array(given) * [2.0 * np.pi, 1.0]
 
 
 def build_measured(body: MeasuredBody, stages: Stages) -> Superelement:
     """The superelement of a part that is known from its test."""
     part, asked = identified(body, stages), body.measured
     fit = part.found.fit
+    # What is wrong with the wires says more than what the fit is like.
     if fit.misfit > asked.accept:
-        # What is wrong with the wires says more than what the fit is like.
         raise MeasurementError(
             f"{asked.frf}: the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these, expected at most measured.accept = {asked.accept:g}"
             + "".join(f"; {doubt}" for doubt in part.doubts[:TOLD_DOUBTS])
         )
+    if said := too_complex(part.measurement, part.found, part.phases, LARGEST_SHARE):
+        others = [doubt for doubt in part.doubts if doubt != said]
+        raise MeasurementError(
+            f"{asked.frf}: {said}, expected at most {100.0 * LARGEST_SHARE:g} %"
+            + "".join(f"; {doubt}" for doubt in others[:TOLD_DOUBTS])
+        )
     for doubt in part.doubts:
         stages.warn(f"{asked.frf}: {doubt}")
-    modes = _free_modes(part.test, part.found)
-    return _superelement(part.test, modes, fit.misfit, len(fit.omega), stages)
+    return _superelement(part, _free_modes(part.test, part.found), stages)
 
 
 def _free_modes(test: PartTest, found: Identification) -> FreeModes:
@@ -95,23 +113,8 @@ def _free_modes(test: PartTest, found: Identification) -> FreeModes:
         ) from error
 
 
-def _doubts_of_fit(found: Identification) -> Iterator[str]:
-    fit = found.fit
-    if fit.misfit > DOUBTED_MISFIT:
-        yield (
-            f"the responses of {len(fit.omega)} modes differ from those measured by "
-            f"{fit.misfit:.2f} of these"
-        )
-    for frequency in fit.frequencies[found.signs < DOUBTED_SIGN]:
-        yield (
-            f"the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are all of "
-            "them where the tables say?"
-        )
-
-
-def _superelement(
-    test: PartTest, free: FreeModes, misfit: float, count: int, stages: Stages
-) -> Superelement:
+def _superelement(part: IdentifiedPart, free: FreeModes, stages: Stages) -> Superelement:
+    test, fit = part.test, part.found.fit
     body, own = test.body, test.coordinates
     asked, impulse = body.measured, body.impulse
     band = BAND_OF_TEST * float(test.data.f[-1])
@@ -128,16 +131,21 @@ def _superelement(
         at = np.concatenate([np.arange(q.start, q.stop) for q in own.sensors.values()])
         channels = Channels((), sensors, phi=free.shapes[at][:, order])
     scheme = GeneralizedAlpha(impulse.rho_inf)
+    _, share = most_out_of_phase(part.measurement, part.found, part.phases)
+    method = (
+        f"{TESTED_METHOD} {len(fit.omega)} modes, misfit {fit.misfit:.2g} of the responses, "
+        f"at most {100.0 * share:.2g} % out of phase"
+    )
     return Superelement(
         name=body.name,
-        mass=asked.rigid.mass,
-        J_rot=np.array(asked.rigid.inertia),
-        center=np.array(asked.rigid.center),
+        mass=test.rigid.mass,
+        J_rot=test.rigid.inertia,
+        center=test.rigid.center,
         interfaces=tuple(
             Interface(name, own.places[name], point.rotations)
             for name, point in body.interfaces.items()
         ),
-        kernel=sample_kernel(modes, impulse.step, scheme, impulse.steps, misfit, band),
+        kernel=sample_kernel(modes, impulse.step, scheme, impulse.steps, fit.misfit, band),
         modes=modes,
         compliance=modes.compliance,
         accelerance=modes.accelerance,
@@ -146,7 +154,7 @@ def _superelement(
             body=body.text,
             mesh=", ".join(path.name for path in body.files),
             mesh_sha256=body.digests,
-            method=f"{TESTED_METHOD} {count} modes, misfit {misfit:.2g} of the responses",
+            method="; ".join([method, *filter(None, [test.rigid.told])]),
             tolerance=asked.accept,
             versions={name: metadata.version(name) for name in ("duhamel", "numpy", "scipy")},
             timings=stages.seconds,

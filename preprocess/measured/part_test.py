@@ -9,9 +9,11 @@ from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
 from ..identification.responses import Measurement
 from .channels import ChannelTable, read_channels
+from .coherence import require_coherence
 from .coordinates import TestCoordinates, coordinates_of
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
+from .rigid import RigidProperties, rigid_properties
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +24,7 @@ class PartTest:
     channels: ChannelTable
     hits: HitTable
     data: FrequencyData
+    rigid: RigidProperties
     coordinates: TestCoordinates
 
 
@@ -29,37 +32,36 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     """The test of a body, whose lines are those of its band; `MeasurementError` names the file."""
     asked = body.measured
     channels, hits = read_channels(asked.channels), read_hits(asked.hits)
-    center = np.array(asked.rigid.center)
-    coordinates = coordinates_of(body.interfaces, channels, hits, center)
     data = read_responses(asked.frf, asked.quantity, channels, hits, asked.window)
-    low, high = asked.band
-    # Fewer lines than coordinates cannot tell them apart.
+    low, high = asked.lowest, asked.band[1]
     used = (data.f >= low) & (data.f <= high)
+    chosen = data.lines(np.flatnonzero(used))
+    require_coherence(asked.frf, chosen)
+    # Coordinates move about the center, which the responses may have to tell.
+    rigid = rigid_properties(asked, channels, hits, chosen)
+    coordinates = coordinates_of(body.interfaces, channels, hits, rigid.center)
+    # Fewer lines than coordinates cannot tell them apart.
     if used.sum() < len(coordinates.rigid):
         raise MeasurementError(
             f"measured.band: expected {len(coordinates.rigid)} frequencies of the file from "
             f"{low:g} to {high:g} Hz or more, found {int(used.sum())} of {data.f[0]:g} to "
             f"{data.f[-1]:g} Hz"
         )
-    return PartTest(body, channels, hits, FrequencyData(data.f[used], data.H[used]), coordinates)
+    return PartTest(body, channels, hits, chosen, rigid, coordinates)
 
 
 def measurement_of(test: PartTest) -> Measurement:
     """The measurement of the part with all that was mounted on it."""
-    own, asked = test.coordinates, test.body.measured
-    s = np.asarray(2j * np.pi * test.data.f + asked.window, dtype=complex)
+    own, s = test.coordinates, test.data.laplace(test.body.measured.window)
     return Measurement(s, test.data.H, own.outputs, own.inputs, own.rigid, loaded_mass(test))
 
 
 def loaded_mass(test: PartTest) -> Array:
     """Mass and inertia (6, 6) about the center of the part with its sensors."""
-    asked = test.body.measured
-    M = np.zeros((6, 6))
-    M[:3, :3] = asked.rigid.mass * np.eye(3)
-    M[3:, 3:] = asked.rigid.inertia
-    if asked.sensor_mass:
+    M, mass = test.rigid.matrix, test.body.measured.sensor_mass
+    if mass:
         by_rigid = sensor_motions(test) @ test.coordinates.rigid
-        M += asked.sensor_mass * by_rigid.T @ by_rigid
+        M = M + mass * by_rigid.T @ by_rigid
     return M
 
 

@@ -4,6 +4,7 @@ Source: Universal File Datasets Summary, University of Cincinnati, dataset 58.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,27 @@ from .hits import HitTable
 
 QUANTITY_OF_TYPE = {12: "accelerance", 11: "mobility", 8: "receptance"}
 """of UFF's types of the numerator"""
-FORCE_TYPE, FREQUENCY_TYPE, RESPONSE_FUNCTION = 13, 18, 4
-"""of UFF: its denominator, its abscissa, and its function"""
+FORCE_TYPE, FREQUENCY_TYPE = 13, 18
+"""of UFF: its denominator and its abscissa"""
+RESPONSE_FUNCTION, COHERENCE_FUNCTION = 4, 6
+"""of UFF: its functions"""
+NumberedSet = tuple[int, Mapping[str, Any]]
 SAME_LINES = 1e-6
 """relative difference of frequencies that are one line"""
 
 
-def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array, Complex, str]:
-    """Frequencies (k,) [Hz], responses (k, n_o, n_i), and what they are per force, "" if not told.
+@dataclass(frozen=True, eq=False)
+class UffResponses:
+    """f (k,) [Hz], H (k, n_o, n_i), what they are per force, "" if not told, and coherences."""
+
+    f: Array
+    H: Complex
+    quantity: str
+    coherence: Array | None
+
+
+def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> UffResponses:
+    """The responses of a file, and coherences where it has some.
 
     `MeasurementError` names the file, the set, what was found and what was expected.
     """
@@ -39,12 +53,27 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array,
     responses = [(k, one) for k, one in sets if _is_response(path, k, one)]
     if not responses:
         raise MeasurementError(f"{path}: expected sets 58 of frequency responses, found none")
-    outputs = {name: k for k, name in enumerate(channels.names)}
     # All of them have one axis, or could not be one matrix.
     first = np.asarray(responses[0][1]["x"], dtype=float)
+    H = _matrix(path, responses, first, channels, hits)
+    coherent = [(k, one) for k, one in sets if int(one["func_type"]) == COHERENCE_FUNCTION]
+    # A coherence has no direction.
+    coherence = np.abs(_matrix(path, coherent, first, channels, hits)) if coherent else None
+    quantities = {
+        QUANTITY_OF_TYPE.get(int(one["ordinate_spec_data_type"]), "") for _, one in responses
+    }
+    if len(quantities) > 1:
+        raise MeasurementError(f"{path}: expected one quantity, found {sorted(quantities)}")
+    return UffResponses(first, H, quantities.pop(), coherence)
+
+
+def _matrix(
+    path: Path, sets: list[NumberedSet], first: Array, channels: ChannelTable, hits: HitTable
+) -> Complex:
+    """The functions (k, n_o, n_i) of all channels by all hits, each once."""
+    outputs = {name: k for k, name in enumerate(channels.names)}
     H = np.full((len(first), len(channels.names), len(hits.labels)), np.nan + 0j)
-    quantities = set()
-    for k, one in responses:
+    for k, one in sets:
         where = f"{path}: set {k}"
         x, data = np.asarray(one["x"], dtype=float), np.asarray(one["data"], dtype=complex)
         if len(x) != len(first) or not np.allclose(x, first, rtol=SAME_LINES):
@@ -62,16 +91,13 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> tuple[Array,
                 f"{where}: expected each pair once, found {channels.names[o]} by {label} twice"
             )
         H[:, o, i] = sign * data
-        quantities.add(QUANTITY_OF_TYPE.get(int(one["ordinate_spec_data_type"]), ""))
     if np.isnan(H[0]).any():
         o, i = np.argwhere(np.isnan(H[0]))[0]
         raise MeasurementError(
             f"{path}: expected all channels by all hits, found no set of {channels.names[o]} by "
             f"{hits.labels[i]}"
         )
-    if len(quantities) > 1:
-        raise MeasurementError(f"{path}: expected one quantity, found {sorted(quantities)}")
-    return first, H, quantities.pop()
+    return H
 
 
 def pyuff_module(path: Path, doing: str) -> Any:

@@ -53,14 +53,19 @@ STRUCK = {"foot": "1", "top": "2"}
 """first digit of the hits around each interface"""
 CORDS = "h301", "h302", "s1"
 """where the part hangs"""
+CORNERS = "h101", "h201"
+"""between which a dashpot may be"""
 BAND = 20.0, 5000.0
+FASTEST = 6400.0
+"""half the rate of responses over time [Hz]"""
 
 
 @dataclass(frozen=True)
 class Errors:
     """Of a test: relative noise and its floor [1/kg], degrees and meters of sensors and hits, gain.
 
-    mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz].
+    mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz];
+    dashpot [N s/m]: between two corners, along their line.
     """
 
     noise: float = 0.0
@@ -71,6 +76,7 @@ class Errors:
     mass: float = 0.0
     window: float = 0.0
     cords: float = 0.0
+    dashpot: float = 0.0
     seed: int = 1
 
 
@@ -93,6 +99,13 @@ class Truth:
         if self.element.interface(name).rotations:
             rigid = np.vstack([rigid, np.hstack([np.zeros((3, 3)), np.eye(3)])])
         return rigid, self.element.modes.phi[own.start : own.stop]
+
+    def between(self, first: str, second: str) -> tuple[np.ndarray, np.ndarray]:
+        """Rigid motion and modes (1, m) of the distance of two interfaces."""
+        apart = self.element.interface(first).X - self.element.interface(second).X
+        e = apart / np.linalg.norm(apart)
+        pairs = zip(self.rows(first), self.rows(second), strict=True)
+        return tuple((e @ (one - other))[None] for one, other in pairs)
 
     def accelerance(self, s: np.ndarray, out, into) -> np.ndarray:
         M = np.zeros((6, 6))
@@ -135,8 +148,11 @@ class Bench:
     H: np.ndarray
     errors: Errors
 
-    def write(self, folder: Path, frf: str = "angle.npz", **keys: object) -> Path:
-        """Tables, responses and the body file angle.toml; its path."""
+    def write(self, folder: Path, frf: str = "angle.npz", rigid: str = "", **keys: object) -> Path:
+        """Tables, responses and the body file angle.toml; its path.
+
+        rigid: lines in place of the mass, center and inertia of the part.
+        """
         write_tables(folder)
         if frf.endswith(".npz"):
             np.savez(folder / frf, f=self.f, H=self.H, quantity="accelerance")
@@ -150,12 +166,15 @@ class Bench:
         )
         further = {"sensor_mass": self.errors.mass, "window": self.errors.window, **keys}
         lines = "".join(f"{key} = {value}\n" for key, value in further.items() if value)
+        rigid = rigid or (
+            f"mass = {element.mass}\ncenter = {element.center.tolist()}\n"
+            f"inertia = {element.J_rot.tolist()}"
+        )
         path = folder / "angle.toml"
         path.write_text(
             f'name = "angle"\n[measured]\nfrf = "{frf}"\nchannels = "channels.csv"\n'
             f'hits = "hits.csv"\nband = [20, 5000]\n{lines}'
-            f"[measured.rigid]\nmass = {element.mass}\ncenter = {element.center.tolist()}\n"
-            f"inertia = {element.J_rot.tolist()}\n{interfaces}"
+            f"[measured.rigid]\n{rigid}\n{interfaces}"
             "[impulse]\nstep = 2e-5\nsteps = 100\n"
         )
         return path
@@ -173,10 +192,15 @@ def write_tables(folder: Path) -> None:
 
 
 @lru_cache
-def measure(errors: Errors = Errors()) -> Bench:
-    """Responses of the truth with the errors of a test; sensors load the part in all hits."""
+def measure(errors: Errors = Errors(), resolution: float = 0.0) -> Bench:
+    """Responses of the truth with the errors of a test; sensors load the part in all hits.
+
+    resolution [Hz]: of even lines from 0 to FASTEST; else there are more of them below 700 Hz.
+    """
     part, rng = truth(), np.random.default_rng(errors.seed)
     f = np.concatenate([np.arange(BAND[0], 700.0, 1.0), np.arange(700.0, BAND[1] + 1.0, 4.0)])
+    if resolution:
+        f = np.arange(0.0, FASTEST + 0.5 * resolution, resolution)
     s = 2j * np.pi * f + errors.window
     outputs = [_turned(part.rows(f"s{label}"), errors, rng) for label in SENSORS]
     inputs = []
@@ -187,14 +211,16 @@ def measure(errors: Errors = Errors()) -> Bench:
     out = tuple(np.vstack(rows) for rows in zip(*outputs, strict=True))
     into = tuple(np.vstack(rows) for rows in zip(*inputs, strict=True))
     H = part.accelerance(s, out, into)
-    if errors.mass or errors.cords:
-        # What is mounted pushes back with Z times its acceleration: its mass, or k / s^2 of a cord.
+    if errors.mass or errors.cords or errors.dashpot:
+        # What is mounted pushes back with Z times its acceleration: its mass, k / s^2 of a cord, or
+        # c / s of a dashpot.
         mounted = [(part.rows(f"s{label}"), np.full(len(s), errors.mass)) for label in SENSORS]
         stiffness = part.element.mass * (2.0 * np.pi * errors.cords) ** 2 / len(CORDS)
         mounted += [(part.rows(name), stiffness / s**2) for name in CORDS]
+        mounted += [(part.between(*CORNERS), errors.dashpot / s)]
         mounted = [one for one in mounted if np.abs(one[1]).max() > 0.0]
         at = tuple(np.vstack(rows) for rows in zip(*(rows for rows, _ in mounted), strict=True))
-        Z = np.repeat(np.array([pushed for _, pushed in mounted]), 3, axis=0).T
+        Z = np.vstack([np.tile(pushed, (len(rows[0]), 1)) for rows, pushed in mounted]).T
         own = np.eye(Z.shape[1]) / Z[:, None, :] + part.accelerance(s, at, at)
         still = np.linalg.solve(own, part.accelerance(s, at, into))
         H = H - part.accelerance(s, out, at) @ still

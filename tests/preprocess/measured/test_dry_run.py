@@ -21,7 +21,13 @@ def test_a_dry_run_reports_modes_misfits_and_doubts(tmp_path):
     path = bench.write(tmp_path)
     result = CliRunner().invoke(app, ["preprocess", str(path), "--dry-run"])
     assert result.exit_code == 0, result.output
-    for words in ("24 channels by 20 hits", "186.3", "sensor 8: channel z is reversed", "8:z"):
+    for words in (
+        "24 channels by 20 hits",
+        "186.3",
+        "part out of phase",
+        "sensor 8: channel z is reversed",
+        "8:z",
+    ):
         assert words in result.output
     assert imread(path.with_suffix(".png")).shape[2] == 4
     assert not path.with_suffix(".h5").exists()

@@ -2,11 +2,10 @@
 
 import re
 
-import numpy as np
 import pytest
 from duhamel import preprocess
 from duhamel.preprocess import MeasurementError
-from duhamel.preprocess.measured.mass_line import doubts_of_mass_line
+from duhamel.preprocess.measured.doubts import doubts_of_test
 from duhamel.preprocess.measured.part_test import measurement_of, read_part_test
 
 from .hammer_bench import ALL, HITS, SENSORS, Errors, measure, replace, truth, with_fault
@@ -14,15 +13,20 @@ from .hammer_bench import ALL, HITS, SENSORS, Errors, measure, replace, truth, w
 NAMES = [f"{label}:{axis}" for label in SENSORS for axis in "xyz"]
 
 
-def doubts(bench, folder, edit=None):
-    path = bench.write(folder)
+def doubts(bench, folder, edit=None, **keys):
+    path = bench.write(folder, **keys)
     if edit is not None:
         edit(path)
     test = read_part_test(preprocess.read_body(path))
-    center = np.array(test.body.measured.rigid.center)
-    return list(doubts_of_mass_line(measurement_of(test), test.channels, test.hits, center))
+    return list(doubts_of_test(test, measurement_of(test)))
 
 
+RIGID = pytest.mark.parametrize(
+    "rigid", ["", 'from = "frf"'], ids=["mass given", "mass by responses"]
+)
+
+
+@RIGID
 @pytest.mark.parametrize(
     "errors",
     [
@@ -33,8 +37,8 @@ def doubts(bench, folder, edit=None):
     ],
     ids=["exact", "1", "2", "3", "4", "5", "heavy sensors", "window"],
 )
-def test_a_test_that_is_right_has_no_doubts(errors, tmp_path):
-    assert doubts(measure(errors), tmp_path) == []
+def test_a_test_that_is_right_has_no_doubts(errors, rigid, tmp_path):
+    assert doubts(measure(errors), tmp_path, rigid=rigid) == []
 
 
 @pytest.mark.parametrize(("low", "cords"), [(30, 0.0), (60, 0.0), (30, 6.0), (60, 12.0)])
@@ -42,6 +46,42 @@ def test_neither_a_higher_band_nor_soft_cords_are_faults(low, cords, tmp_path):
     edit = table("angle.toml", "band = [20, 5000]", f"band = [{low}, 5000]")
     for seed in range(1, 5):
         assert doubts(measure(replace(ALL, cords=cords, seed=seed)), tmp_path, edit) == []
+
+
+@RIGID
+@pytest.mark.parametrize(
+    ("low", "cords", "stiff"),
+    [
+        *((20, cords, cords > 5.0) for cords in (0.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0)),
+        (60, 18.0, True),
+    ],
+)
+def test_stiff_cords_alone_are_one_message(low, cords, stiff, rigid, tmp_path):
+    edit = table("angle.toml", "band = [20, 5000]", f"band = [{low}, 5000]")
+    for errors in (ALL, replace(ALL, noise=0.05, floor=5e-3, seed=2)):
+        found = doubts(measure(replace(errors, cords=cords)), tmp_path, edit, rigid=rigid)
+        assert len(found) == stiff
+        for doubt in found:
+            said = re.match(r"the mass line says that the part has (\d+\.?\d*) Hz on its", doubt)
+            assert float(said[1]) == pytest.approx(cords, rel=0.15)
+
+
+def test_wrong_wires_of_a_part_on_stiff_cords_are_told_too(tmp_path):
+    bench = with_fault(measure(replace(ALL, cords=8.0)), scaled("1:y", -1.0))
+    first, second = doubts(bench, tmp_path)
+    assert "Hz on its cords" in first
+    assert second == "sensor 1: channel y is reversed"
+
+
+def test_lines_on_stiff_cords_are_left_out(tmp_path):
+    bench = measure(replace(ALL, cords=8.0))
+    assert doubts(bench, tmp_path, suspension=8.0) == [
+        "lines below 40 Hz are not used: on its cords the part has up to 8 Hz, by "
+        "measured.suspension"
+    ]
+    test = read_part_test(preprocess.read_body(tmp_path / "angle.toml"))
+    assert test.data.f[0] == 40.0
+    assert doubts(bench, tmp_path, suspension=3.0) == []
 
 
 def scaled(name, factor):
@@ -66,6 +106,7 @@ def hit(label, factor):
     return change
 
 
+@RIGID
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -79,8 +120,8 @@ def hit(label, factor):
         (hit("206", 1.5), r"hit 206: a force of 1\.5 of what it should be"),
     ],
 )
-def test_each_wrong_wire_is_one_message(change, message, tmp_path):
-    (found,) = doubts(with_fault(measure(ALL), change), tmp_path)
+def test_each_wrong_wire_is_one_message(change, message, rigid, tmp_path):
+    (found,) = doubts(with_fault(measure(ALL), change), tmp_path, rigid=rigid)
     assert re.fullmatch(message, found)
 
 
@@ -99,6 +140,7 @@ def table(name, old, new):
     return edit
 
 
+@RIGID
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
@@ -113,8 +155,8 @@ def table(name, old, new):
         (table("channels.csv", "7,0.1525", "7,0.1125"), "sensor 7: is not where the table has it"),
     ],
 )
-def test_wrong_lines_of_tables_are_one_message(edit, message, tmp_path):
-    (found,) = doubts(measure(ALL), tmp_path, edit)
+def test_wrong_lines_of_tables_are_one_message(edit, message, rigid, tmp_path):
+    (found,) = doubts(measure(ALL), tmp_path, edit, rigid=rigid)
     assert re.match(message, found)
 
 
@@ -122,6 +164,8 @@ def test_a_wrong_mass_is_one_message(tmp_path):
     mass = truth().element.mass
     edit = table("angle.toml", f"mass = {mass}", f"mass = {1.15 * mass}")
     (found,) = doubts(measure(ALL), tmp_path, edit)
+    assert "says that the part has 2.2" in found
+    (found,) = doubts(measure(ALL), tmp_path, rigid=f'from = "frf"\nmass = {1.15 * mass}')
     assert "says that the part has 2.2" in found
     heavy = replace(measure(replace(ALL, mass=0.03)), errors=ALL)
     (found,) = doubts(heavy, tmp_path)
