@@ -14,12 +14,12 @@ FOLDER has, all in the axes of the assembly:
 
 Of files that are there, parts are identified, and parts and assembly compared with what was
 measured, in three bands: rms of the difference over that of the measurement, channels and hits each
-in their own size, and mean difference in dB. `--stand-in` writes a simulated test of two beams to
-FOLDER.
+in their own size, and mean difference in dB; coupled-tests.png shows a response of each.
+`--stand-in` writes a simulated test of two beams to FOLDER.
 
 Measurements that are free to load, but not by this script:
 
-- The laboratory testbench of pyFBS (MIT), https://gitlab.com/pyFBS/pyFBS_data, folder
+- The laboratory testbench of pyFBS, https://gitlab.com/pyFBS/pyFBS_data, folder
   lab_testbench/Measurements: Y_A.p, Y_B.p, Y_AB.p and decoupling_example_SVT.xlsx, whose sheets
   Channels_B and Impacts_B are to be saved as Channels_B.csv and Impacts_B.csv beside the first.
   `--lab` makes b.npz, b_channels.csv and b_hits.csv of them, likewise for A and AB; what pyFBS
@@ -38,7 +38,7 @@ import argparse
 import csv
 import hashlib
 import pickle
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -46,7 +46,8 @@ from typing import Any
 
 import duhamel as du
 import numpy as np
-from duhamel import preprocess
+from duhamel import preprocess, view
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -86,6 +87,34 @@ class Differences:
     decibels: float
 
 
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Measured H and computed Y (k, n_o, n_i) at f (k,) [Hz]."""
+
+    what: str
+    f: Array
+    H: ComplexArray
+    Y: ComplexArray
+
+    @property
+    def size(self) -> Array:
+        """(n_o, n_i): what is zero by symmetry is measured as noise, and has that of its channel
+        and hit.
+        """
+        square = (np.abs(self.H) ** 2).mean(axis=0)
+        return np.sqrt(np.outer(square.mean(axis=1), square.mean(axis=0)) / square.mean())
+
+    def rows(self) -> Iterator[Differences]:
+        """One for each band."""
+        counts = np.abs(self.H) > SMALL * self.size
+        decibels = np.abs(20.0 * np.log10(np.abs(self.Y) / np.abs(self.H)))
+        for low, high in pairwise(np.linspace(self.f[0], self.f[-1], BANDS + 1).tolist()):
+            k = (self.f >= low) & (self.f <= high)
+            off, whole = (np.linalg.norm(x[k] / self.size) for x in (self.Y - self.H, self.H))
+            mean = float(decibels[k][counts[k]].mean())
+            yield Differences(self.what, (low, high), float(off / whole), mean)
+
+
 def main(
     folder: Path,
     stand_in: bool = False,
@@ -103,16 +132,20 @@ def main(
         for name in PARTS
         if (folder / f"{name}.toml").exists()
     }
-    found = []
+    compared = []
     for name, element in elements.items():
         body = preprocess.read_body(folder / f"{name}.toml")
         paths = body.measured.frf, body.measured.channels, body.measured.hits
         measured = read_test(paths, places({name: element}), _owner(name, body.interfaces))
-        found += compare(name, {name: element}, measured)
+        compared.append(compare(name, {name: element}, measured))
     paths = folder / "ab.npz", folder / "ab_channels.csv", folder / "ab_hits.csv"
     if len(elements) == len(PARTS) and paths[0].exists():
         measured = read_test(paths, places(elements), lambda line, _: line["interface"])
-        found += compare("a and b", elements, measured)
+        compared.append(compare("a and b", elements, measured))
+    found = [row for one in compared for row in one.rows()]
+    if compared:
+        with view.style():
+            view.save(curves(compared), folder / "coupled-tests.png")
     for row in found:
         low, high = row.band
         print(
@@ -190,30 +223,30 @@ def responses(m: du.Mechanism, frames: Sequence[str], f: Array) -> ComplexArray:
     return m.frf(inputs, outputs, f).values
 
 
-def compare(
-    what: str, elements: Mapping[str, du.Superelement], measured: Measured
-) -> list[Differences]:
-    """A row for each band."""
+def compare(what: str, elements: Mapping[str, du.Superelement], measured: Measured) -> Comparison:
+    """The responses of parts in a model, at the lines up to which these claim to be right."""
     highest = min(element.kernel.band for element in elements.values())
     used = (measured.f > 0.0) & (measured.f <= highest)
-    f, H = measured.f[used], measured.H[used]
-    Y = measured.outputs @ responses(assembly(elements), measured.frames, f) @ measured.inputs.T
-    # What is zero by symmetry is measured as noise: it counts by its channel and hit.
-    square = (np.abs(H) ** 2).mean(axis=0)
-    size = np.sqrt(np.outer(square.mean(axis=1), square.mean(axis=0)) / square.mean())
-    counts = np.abs(H) > SMALL * size
-    decibels = np.abs(20.0 * np.log10(np.abs(Y) / np.abs(H)))
-    found = []
-    edges = np.linspace(f[0], highest, BANDS + 1)
-    for low, high in pairwise(edges.tolist()):
-        k = (f >= low) & (f <= high)
-        off, whole = (np.sum(np.abs(x[k] / size) ** 2) for x in (Y - H, H))
-        found.append(
-            Differences(
-                what, (low, high), float(np.sqrt(off / whole)), float(decibels[k][counts[k]].mean())
-            )
+    f = measured.f[used]
+    Y = responses(assembly(elements), measured.frames, f)
+    return Comparison(what, f, measured.H[used], measured.outputs @ Y @ measured.inputs.T)
+
+
+def curves(found: Sequence[Comparison]) -> Figure:
+    """The largest response of each."""
+    figure, panels = view.panels(len(found))
+    blue, red, *_ = view.COLORS
+    for axes, one in zip(np.atleast_1d(panels), found, strict=True):
+        o, i = np.unravel_index(one.size.argmax(), one.size.shape)
+        axes.semilogy(one.f, np.abs(one.H[:, o, i]), color=blue, label="measured")
+        axes.semilogy(
+            one.f, np.abs(one.Y[:, o, i]), color=red, linestyle=(0, (4, 3)), label="superelements"
         )
-    return found
+        axes.set(title=one.what, ylabel="[1/kg]")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, ncols=2)
+    axes.set(xlabel="frequency [Hz]")
+    view.entitle(figure, "Tested parts, and both together")
+    return figure
 
 
 class ArraysOnly(pickle.Unpickler):

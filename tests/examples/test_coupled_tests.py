@@ -24,6 +24,7 @@ def test_a_stand_in_is_found_again_and_coupled(script, tmp_path, capsys):
     for row in found[6:]:
         assert row.relative < 0.55
         assert row.decibels < 0.7
+    assert (tmp_path / "coupled-tests.png").exists()
     assert capsys.readouterr().out.count(" dB\n") == len(found)
     # The same files, without writing them anew.
     assert script.main(tmp_path) == found
