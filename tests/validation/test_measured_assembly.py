@@ -5,6 +5,7 @@ What the table of docs/how-to/measured.md says of benchmarks/beside_lmfbs.py.
 
 from functools import cache
 
+import duhamel as du
 import numpy as np
 import pytest
 from coupling.comparison import (
@@ -19,6 +20,9 @@ from coupling.comparison import (
 from coupling.hammer import ALL, HITS, NOISE, SENSORS, Errors, HammerTest, hammer_test, truth
 from coupling.parts import INTERFACES, FreePart, Motion, plate
 from coupling.substructuring import coupled, virtual_points
+from duhamel import preprocess
+from duhamel.preprocess.measured.part import identified as fit_of_test
+from duhamel.preprocess.progress import Stages
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore:.* modes for steps down to:duhamel.superelement.StepWarning"
@@ -86,3 +90,22 @@ def test_a_ball_leaves_a_tested_part_as_it_leaves_its_mesh():
     blow = true_struck()
     assert blow.peak > 2000.0
     assert 0.2 < blow.speed < 0.9
+
+
+def test_what_was_identified_is_what_a_model_responds(tmp_path):
+    """A further sensor by hits at the foot: in the fit, and of the free body in a model."""
+    test = hammer_test(ALL)
+    few = HammerTest(test.f[::8], test.H[::8], test.hits)
+    body = preprocess.read_body(few.write(tmp_path))
+    part = fit_of_test(body, Stages())
+    m = du.Mechanism()
+    m.add(preprocess.build(body), name="A")
+    inputs = [f"{kind}:A.foot:{axis}" for kind in ("force", "torque") for axis in "xyz"]
+    outputs = [f"sensor_acceleration:A.measured_7:{axis}" for axis in "xyz"]
+    own, measured = part.test.coordinates, part.measurement
+    hits = [few.hits.index(hit) for hit in few.hits_of("foot")]
+    channels = [k for k, label in enumerate(part.test.channels.labels) if label == "7"]
+    found = m.frf(inputs, outputs, few.f).values @ own.inputs[hits, own.interfaces["foot"]].T
+    rigid = measured.H - measured.elastic
+    fit = (part.found.fit.responses(measured) + rigid)[:, channels][:, :, hits]
+    np.testing.assert_allclose(found, fit, rtol=0.0, atol=1e-9 * np.abs(fit).max())
