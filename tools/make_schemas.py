@@ -15,5 +15,5 @@ def text(kind: str) -> str:
 
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    for kind in ("body", "model", "study"):
+    for kind in ("body", "tested", "model", "study"):
         (FOLDER / f"{kind}.json").write_text(text(kind), encoding="utf-8")

@@ -5,8 +5,11 @@ from typing import Annotated, Any, Literal
 import typer
 
 FileKind = Annotated[
-    Literal["body", "model", "study"],
-    typer.Argument(metavar="body|model|study", help="Of which files."),
+    Literal["body", "tested", "model", "study"],
+    typer.Argument(
+        metavar="body|tested|model|study",
+        help="Of which files; tested: body files of parts that are known from their test alone.",
+    ),
 ]
 
 
@@ -23,10 +26,10 @@ def schema(of: FileKind) -> None:
 
 def schema_of(kind: str) -> dict[str, Any]:
     """The JSON schema of body, model or study files."""
-    if kind == "body":
+    if kind in ("body", "tested"):
         from ...preprocess import body_schema
 
-        return body_schema()
+        return body_schema(tested=kind == "tested")
     if kind == "model":
         from ...solver import model_schema
 

@@ -12,8 +12,17 @@ from .measured_body import MeasuredBody
 AnyBody = Body | MeasuredBody
 
 
-def body_schema() -> dict[str, Any]:
+def body_schema(tested: bool = False) -> dict[str, Any]:
     """The JSON schema of body files, by which editors complete and check them.
+
+    Parameters
+    ----------
+    tested : bool
+        Of parts that are known from their test alone, not of a mesh or matrices.
+
+    Returns
+    -------
+    dict
 
     Examples
     --------
@@ -21,6 +30,8 @@ def body_schema() -> dict[str, Any]:
     >>> schema["title"], schema["required"]
     ('A body file of Duhamel', ['name', 'impulse'])
     """
+    if tested:
+        return document_of(MeasuredBody, "A body file of a tested part, of Duhamel")
     return document_of(Body, "A body file of Duhamel")
 
 

@@ -15,8 +15,9 @@ from make_schemas import FOLDER, text
 
 from tests.bad_inputs.models import DOCUMENTS, LAWS, SIGNALS
 from tests.bad_inputs.values import DEEP, UNKNOWN, Place, changed, declared
+from tests.docs.walk import blocks
 
-KINDS = "body", "model", "study"
+KINDS = "body", "tested", "model", "study"
 FILES = sorted(chain((ROOT / "examples").glob("*.toml"), (ROOT / "meshes").glob("*/*.toml")))
 BODY: dict[str, Any] = {
     "name": "rod",
@@ -50,6 +51,17 @@ def test_the_schemas_of_the_repository_are_those_of_the_code(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_schema_is_one_of_its_draft(kind):
     Draft7Validator.check_schema(json.loads(text(kind)))
+
+
+def test_the_schema_of_tested_parts_keeps_the_guide_and_refuses_a_slip():
+    (guide,) = [block for block in blocks("how-to/measured.md") if block.title == "tested.toml"]
+    document, tested = tomllib.loads(guide.text), validator("tested")
+    tested.validate(document)
+    slip = document | {"measured": document["measured"] | {"hit": "hits.csv"}}
+    assert [error.message for error in tested.iter_errors(slip)] == [
+        "Additional properties are not allowed ('hit' was unexpected)"
+    ]
+    assert list(tested.iter_errors({**document, "mesh": "angle.msh"}))
 
 
 def test_the_command_prints_the_schema(runner):
