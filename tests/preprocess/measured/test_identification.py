@@ -170,3 +170,18 @@ def test_fits_are_reciprocal_and_passive():
     np.testing.assert_allclose(Y, Y.transpose(0, 2, 1), atol=1e-12 * np.abs(Y).max())
     # The real part of the mobility is what it dissipates.
     assert np.linalg.eigvalsh(Y.real).min() > -1e-12 * np.abs(Y).max()
+
+
+def test_twelve_modes_of_exact_responses_are_found_again():
+    rng = np.random.default_rng(8)
+    outputs, inputs, rigid = geometry(rng)
+    omega = 2.0 * np.pi * np.array([60, 95, 140, 150, 230, 310, 400, 415, 520, 640, 780, 930.0])
+    zeta, shapes = rng.uniform(0.003, 0.015, 12), rng.standard_normal((Q, 12))
+    s, M = 2j * np.pi * np.arange(10.0, 1000.0, 1.0), np.diag([2.0, 2.0, 2.0, 0.3, 0.4, 0.5])
+    U = outputs @ rigid @ np.linalg.solve(M, (inputs @ rigid).T)
+    h = resonances(s, omega, zeta)
+    H = U + np.einsum("am,km,bm->kab", outputs @ shapes, h, inputs @ shapes)
+    found = identify(Measurement(s, H, outputs, inputs, rigid, M)).fit
+    assert found.misfit < 1e-6
+    np.testing.assert_allclose(found.omega, omega, rtol=1e-6)
+    np.testing.assert_allclose(found.zeta, zeta, rtol=1e-6)
