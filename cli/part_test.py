@@ -12,6 +12,7 @@ from rich.table import Table
 from ..files.arrays import Array
 from ..preprocess.measured.matching import mac
 from ..preprocess.measured.part import IdentifiedPart
+from ..preprocess.measured.rigidity import rigid_up_to
 from ..view import FitOfTest, draw_fit
 from .tables import Row, sectioned
 
@@ -89,8 +90,11 @@ def _test(part: IdentifiedPart) -> Iterator[Row]:
     f, test = part.test.data.f, part.test
     yield "responses", f"{len(test.channels.names)} channels by {len(test.hits.labels)} hits"
     yield "lines", f"{len(f)} from {f[0]:g} to {f[-1]:g} Hz"
+    limits = rigid_up_to(part.measurement, test.coordinates.interfaces)
     for name, rows in test.coordinates.interfaces.items():
-        yield f"  {name}", f"{rows.stop - rows.start} dofs"
+        limit = limits[name]
+        where = "in the band" if limit > f[-1] else f"up to {limit:.0f} Hz"
+        yield f"  {name}", f"{rows.stop - rows.start} dofs, a rigid piece {where}"
     if test.rigid.told:
         yield "rigid motion", test.rigid.told
     if test.coordinates.sensors:

@@ -35,6 +35,7 @@ from .doubts import (
     too_complex,
 )
 from .part_test import PartTest, loaded_mass, measurement_of, read_part_test, sensor_motions
+from .rigidity import doubts_of_rigidity
 from .update import SENSOR_NAME
 
 TOLD_DOUBTS = 3
@@ -58,6 +59,9 @@ def identified(body: MeasuredBody, stages: Stages) -> IdentifiedPart:
         measurement = measurement_of(test)
     with stages.stage("identification"), one_blas_thread():
         doubts = list(doubts_of_test(test, measurement))
+        # What is wired wrong does not move as a rigid piece either.
+        if not doubts:
+            doubts += doubts_of_rigidity(measurement, test.coordinates.interfaces)
         found = identify(measurement, _given_poles(body))
         delays = delays_of(measurement, found.fit)
         # What is late is out of phase, and is told as that.
