@@ -214,3 +214,22 @@ def test_what_cannot_be_tested_is_refused(angle, tmp_path, monkeypatch):
 def test_a_place_that_the_mesh_lacks_is_named(angle):
     with pytest.raises(MeasurementError, match="sensor 9: expected a point within the body"):
         struck_part(angle, {"sensor 9": np.array([0.1, 0.0, 0.1])}, 500.0, Stages())
+
+
+@pytest.mark.parametrize(
+    ("key", "sensors", "hits"),
+    [("angle", True, True), ("place", True, True), ("gain", True, False)],
+)
+def test_errors_are_those_of_sensors_and_of_hits(struck, tables, key, sensors, hits):
+    """Far below the first resonance, where no rigid motion explains what is off."""
+    value = getattr(HammerErrors(), key)
+    f = np.array([2.0])
+    H = hammer_test(struck, *tables, f, replace(NO_ERRORS, **{key: value})).H[0].real
+    channels, hits_table = tables
+    for table, A, wrong in ((channels, H, sensors), (hits_table, H.T, hits)):
+        X, e = table.points - struck.center, table.directions
+        R = np.hstack([e, np.cross(X, e)])
+        left = A - R @ np.linalg.pinv(R) @ A
+        share = np.linalg.norm(left) / np.linalg.norm(A)
+        assert (share > 2e-3) == wrong
+        assert wrong or share < 5e-4
