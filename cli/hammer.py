@@ -1,6 +1,7 @@
 """Simulated hammer tests: their files, and tables of what they would tell of a part."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -61,6 +62,11 @@ def plan_of(path: Path) -> MeasuredBody:
     """The plan of a file; `BodyError` for one of a mesh."""
     plan = preprocess.read_body(path)
     if isinstance(plan, MeasuredBody):
+        if plan.measured.quantity not in (None, "accelerance"):
+            raise BodyError(
+                f"{path}: measured.quantity: expected accelerance, which is simulated, found "
+                f"{plan.measured.quantity}"
+            )
         return plan
     raise BodyError(f"{path}: expected a plan, a body file with [measured] frf, found a mesh")
 
@@ -84,11 +90,24 @@ def require_new(path: Path) -> None:
         )
 
 
+@contextmanager
+def folder_when_whole(target: Path) -> Iterator[Path]:
+    """A folder that gets its name when all is in it; `MeasurementError` if there is one already."""
+    require_new(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
+        made = Path(scratch) / target.name
+        made.mkdir()
+        yield made
+        made.rename(target)
+
+
 def predicted(
     name: str, bench: HammerBench, errors: HammerErrors, tests: int, lines: int, stages: Stages
 ) -> PlanErrors:
     """The errors of the parts that a number of tests make, each with a seed of its own."""
     f, found, refused = bench.lines(lines), list[PredictedErrors](), list[str]()
+    told = list[str]()
     for doubt in bench.doubts(f):
         stages.warn(doubt)
     with TemporaryDirectory() as folder:
@@ -101,11 +120,13 @@ def predicted(
                 write_responses(responses, data, bench.channels, bench.hits)
                 # By the way of any test: what would be refused on the bench is refused here.
                 try:
-                    element = preprocess.build(body)
+                    element = preprocess.build(body, on_warning=told.append)
                 except MeasurementError as error:
                     refused.append(str(error).replace(f"{responses}: ", ""))
                     continue
             found.append(predicted_errors(bench.part, element, measured.band[0]))
+    for doubt in dict.fromkeys(told):
+        stages.warn(f"{name}: {doubt.replace(f'{responses}: ', '')}")
     return PlanErrors(name, bench, tuple(found), tuple(refused))
 
 
@@ -118,7 +139,7 @@ def prediction_table(title: str, plans: Sequence[PlanErrors]) -> Table:
 def _row(plan: PlanErrors) -> list[str]:
     test = [str(len(plan.bench.channels.names)), str(len(plan.bench.hits.labels))]
     if not plan.errors:
-        return [plan.name, *test, "none", "", "", ""]
+        return [plan.name, *test, "refused", "", "", ""]
     fewest = min(plan.errors, key=lambda one: one.found)
     thirds = np.max([one.responses for one in plan.errors], axis=0)
     return [
@@ -132,4 +153,6 @@ def _row(plan: PlanErrors) -> list[str]:
 
 
 def _percent(value: float) -> str:
+    if np.isnan(value):
+        return "none"
     return f"{100.0 * value:.2g} %"

@@ -1,5 +1,6 @@
 """`duhamel measure`."""
 
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -100,6 +101,11 @@ def measure(
         raise typer.BadParameter("expected several plans only with --predict")
     if predict is not None and output is not None:
         raise typer.BadParameter("--predict writes nothing, found --output")
+    if band is not None and not 0.0 < band[0] < band[1] < inf:
+        raise typer.BadParameter(
+            f"--band: expected two frequencies [Hz], the lower one first, found {band[0]:g} "
+            f"{band[1]:g}"
+        )
     if suffix not in ("uff", "npz"):
         raise typer.BadParameter(f"--format: expected uff or npz, found {suffix}")
     start = perf_counter()
@@ -144,12 +150,14 @@ def _by_plan(
 ) -> Path:
     """The responses of a plan that is given."""
     from ...preprocess.hammer.bench import bench_of
+    from ...preprocess.measured.response_files import require_writable_format
     from ..hammer import body_of_mesh, measured_to_files, plan_of, require_new
 
     body, plan = body_of_mesh(body_file), plan_of(plan_file)
     target = output or plan.measured.frf
     # Before the work, not after it.
     require_new(target)
+    require_writable_format(target)
     measured_to_files(bench_of(body, plan, stages), target, errors, lines, stages)
     return target
 
@@ -163,15 +171,15 @@ def _by_made_plan(
     stages: "Stages",
 ) -> Path:
     """A folder with a plan and its responses."""
-    from ..hammer import body_of_mesh, measured_to_files, require_new
+    from ..hammer import body_of_mesh, folder_when_whole, measured_to_files
 
     body = body_of_mesh(body_file)
     # A folder of an earlier plan may hold tables that were edited since.
-    require_new(folder)
-    folder.mkdir(parents=True)
-    bench = keys.bench(body, folder, stages)
-    measured_to_files(bench, bench.plan.measured.frf, errors, lines, stages)
-    return bench.plan.measured.frf
+    with folder_when_whole(folder) as made:
+        bench = keys.bench(body, made, stages)
+        responses = bench.plan.measured.frf
+        measured_to_files(bench, responses, errors, lines, stages)
+    return folder / responses.name
 
 
 def _predicted(

@@ -49,6 +49,9 @@ def locate(mesh: Mesh, point: Array) -> Location:
 
 def _inverse(solid: SolidElement, corners: Array, point: Array) -> Array:
     """xi (3,) with x(xi) = point in an element with nodes (k, 3), by Newton's method."""
+    # About the element, for rounding of places a kilometer away is larger than the tolerance.
+    middle = corners.mean(axis=0)
+    corners, point = corners - middle, point - middle
     xi = solid.nodes.mean(axis=1)
     for _ in range(MAX_LOCATION_STEPS):
         at = xi[:, None]

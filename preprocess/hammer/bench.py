@@ -11,7 +11,7 @@ from ..body.body import Body
 from ..body.measured_body import MeasuredBody
 from ..errors import MeasurementError
 from ..measured.channels import ChannelTable, read_channels
-from ..measured.frequency_data import FrequencyData
+from ..measured.frequency_data import LEAST_LINES, FrequencyData
 from ..measured.hits import HitTable, read_hits
 from ..progress import Stages
 from .made_plan import made_plan
@@ -38,7 +38,13 @@ class HammerBench:
         """Frequencies [Hz] in the band of the plan, of `count` from zero to its end."""
         low, high = self.plan.measured.band
         f = np.arange(1.0, count + 1.0) * (high / count)
-        return np.asarray(f[f >= low])
+        inside = np.asarray(f[f >= low])
+        if len(inside) < LEAST_LINES:
+            raise MeasurementError(
+                f"the band from {low:g} to {high:g} Hz has {len(inside)} lines of {count}, "
+                f"expected {LEAST_LINES} or more: take a wider band, or more lines"
+            )
+        return inside
 
     def measured(self, errors: HammerErrors, f: Array) -> FrequencyData:
         """What the test measures at frequencies f (k,) [Hz]."""

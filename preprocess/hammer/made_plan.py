@@ -14,6 +14,7 @@ import numpy as np
 from ...files.arrays import Array, IntArray
 from ..assembly.interfaces import Attachment
 from ..errors import MeasurementError
+from ..mesh.mesh import NO_NODES
 from ..sources.solids import SolidSource
 
 SENSORS_OF_INTERFACE, HITS_OF_INTERFACE = 3, 9
@@ -61,6 +62,11 @@ def made_plan(source: SolidSource, frames: Mapping[str, Attachment]) -> MadePlan
     size = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     interfaces = {}
     for name, frame in frames.items():
+        if not frame.rotates:
+            raise MeasurementError(
+                f"interfaces.{name}: a node has three dofs, whose sensors and hits would have to "
+                "be at that point: expected facets, or a plan of your own, by --plan"
+            )
         nodes = source.nodes.points[frame.nodes]
         own = float(np.linalg.norm(nodes - frame.X, axis=1).max())
         reach = REACH_AT_FIRST * max(own, 1e-2 * size)
@@ -106,24 +112,28 @@ def _around(
     # A triaxial sensor reads e . (u + theta x X) along each axis.
     axes = np.broadcast_to(np.eye(3), (len(near), 3, 3))
     motions = np.concatenate([axes, np.cross(levers[:, None], axes)], axis=2)[:, :, :n]
-    hits, told_by_hits = _chosen(wrenches, HITS_OF_INTERFACE)
     sensors, told_by_sensors = _chosen(motions, SENSORS_OF_INTERFACE)
+    # No hammer hits a sensor.
+    hits, told_by_hits = _chosen(wrenches, HITS_OF_INTERFACE, sensors)
     if max(told_by_hits, told_by_sensors) > LARGEST_CONDITION_OF_PLAN:
         return None
     return PlannedInterface(at, rotates, near[sensors], near[hits])
 
 
-def _chosen(rows: Array, count: int) -> tuple[IntArray, float]:
-    """The D-optimal blocks (count,) of rows (n, k, 6), each once, and their condition."""
+def _chosen(rows: Array, count: int, taken: IntArray = NO_NODES) -> tuple[IntArray, float]:
+    """The D-optimal blocks (count,) of rows (n, k, 6), each once, and their condition.
+
+    taken: blocks that are none of them.
+    """
     n = rows.shape[2]
     known, chosen = 1e-6 * np.eye(n), list[int]()
-    for _ in range(min(count, len(rows))):
+    for _ in range(min(count, len(rows) - len(taken))):
         # det(A + B^T B) = det A det(I + B A^-1 B^T)
         gain = np.linalg.det(
             np.eye(rows.shape[1]) + rows @ np.linalg.solve(known, rows.transpose(0, 2, 1))
         )
         # No place twice: a second hammer cannot stand on the first.
-        gain[chosen] = 0.0
+        gain[[*chosen, *taken]] = 0.0
         chosen.append(int(gain.argmax()))
         known = known + rows[chosen[-1]].T @ rows[chosen[-1]]
     sizes = np.linalg.svd(rows[chosen].reshape(-1, n), compute_uv=False)

@@ -35,21 +35,28 @@ def predicted_errors(part: StruckPart, element: Superelement, lowest: float) -> 
     modes, highest = element.modes, element.kernel.band
     assert modes is not None
     assert highest is not None
-    # Beyond its band the superelement states no error.
-    true = np.flatnonzero(part.modes.resonances < 2.0 * np.pi * highest)
+    # Beyond its band the superelement states no error, and below it nothing was measured.
+    frequencies = part.modes.resonances / (2.0 * np.pi)
+    true = np.flatnonzero((frequencies >= lowest) & (frequencies < highest))
     omega, zeta = part.modes.resonances[true], part.damping[true]
     apart = np.abs(np.log(modes.omega[None] / omega[:, None]))
     # One to one: a mode that was found twice is not another one.
-    rows, columns = linear_sum_assignment(apart)
+    # What is too far apart costs the same wherever it is, or one missing mode would shift all.
+    rows, columns = linear_sum_assignment(np.minimum(apart, SAME_MODE))
     same = apart[rows, columns] < SAME_MODE
     rows, columns = rows[same], columns[same]
     return PredictedErrors(
         found=len(rows),
         modes=len(true),
-        frequency=float(apart[rows, columns].max(initial=0.0)),
-        damping=float(np.abs(modes.zeta[columns] / zeta[rows] - 1.0).max(initial=0.0)),
+        frequency=_largest(apart[rows, columns]),
+        damping=_largest(np.abs(modes.zeta[columns] / zeta[rows] - 1.0)),
         responses=_of_responses(part, element, np.linspace(lowest, highest, COMPARED_LINES)),
     )
+
+
+def _largest(errors: Array) -> float:
+    """Of modes that were found; nan where there are none."""
+    return float(errors.max()) if len(errors) else np.nan
 
 
 def _of_responses(part: StruckPart, element: Superelement, f: Array) -> Array:

@@ -21,6 +21,7 @@ from ..body.impulse import Impulse
 from ..elements.location import locate
 from ..elements.sampling import displacement_rows, gradient_rows
 from ..errors import BodyError, MeasurementError
+from ..plausibility import doubts_of_body, doubts_of_source
 from ..progress import Stages
 from ..responses.impulse import impulse_responses
 from ..sources.reading import read_source
@@ -124,6 +125,8 @@ def struck_part(body: Body, points: dict[str, Array], highest: float, stages: St
     """
     with stages.stage("mesh"):
         source = solids_of(body)
+        for doubt in (*doubts_of_body(body), *doubts_of_source(body, source)):
+            stages.warn(doubt)
         places = {}
         for name, point in points.items():
             try:

@@ -7,12 +7,14 @@ import numpy as np
 from ...superelement.validation import Array
 from .poles import stable_poles
 from .refinement import refined_fit
-from .responses import REST_DAMPING, Measurement, ModalFit, resonances
+from .responses import REST_DAMPING, Measurement, ModalFit, relative_size, resonances
 from .shapes import ResidueShape, passive_rest, residues, shape_of
 
 REST_PLACES = 1.06, 1.6
 """frequencies of what stands for modes beyond the band, over the highest one: one of them alone
 makes twice the error"""
+REST_SCALES = 1.0, 0.3, 0.1, 0.03
+"""of the shapes of what stands for modes beyond the band, of which the best one is the start"""
 LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
 """of a residue that is a mode: those of true ones are within 0.05 and above 0.99, spurious poles
 have defects from 0.6 on, or the wrong sign"""
@@ -79,7 +81,13 @@ def _with_poles(measured: Measurement, poles: Array) -> Identification:
         omega, zeta = omega[kept], zeta[kept]
     rest, negative = zip(*(passive_rest(X, measured) for X in R[len(omega) :]), strict=True)
     psi = np.array([shape.psi for shape in shapes]).reshape(-1, measured.outputs.shape[1]).T
-    fit = refined_fit(ModalFit(omega, zeta, psi, rest_omega, tuple(rest)), measured)
+    # A rest whose passive part is as large as what was cut off it would lead the fit astray.
+    starts = (
+        ModalFit(omega, zeta, psi, rest_omega, tuple(scale * L for L in rest))
+        for scale in REST_SCALES
+    )
+    best = min(starts, key=lambda start: relative_size(start.misfits(measured), measured))
+    fit = refined_fit(best, measured)
     order = np.argsort(fit.omega)
     fit = replace(fit, omega=fit.omega[order], zeta=fit.zeta[order], shapes=fit.shapes[:, order])
     return Identification(

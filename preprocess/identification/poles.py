@@ -55,7 +55,8 @@ def stable_poles(measured: Measurement) -> Array:
         size = abs(poles[k])
         near = np.abs(np.abs(poles) - size) < SAME_FREQUENCY * size
         apart = np.abs(poles.real - poles[k].real)
-        same = near & (apart < SAME_DAMPING * abs(poles[k].real) + 0.002 * size)
+        # Of those that are left: a stray pole beside a mode would be that mode once more.
+        same = near & (apart < SAME_DAMPING * abs(poles[k].real) + 0.002 * size) & ~taken
         taken |= same
         omega = float(np.median(np.abs(poles[same])))
         zeta = float(-np.median(poles[same].real)) / omega

@@ -33,11 +33,7 @@ def write_responses(
     It appears whole or not at all. `MeasurementError` names the file, and a label that UFF cannot
     have.
     """
-    suffix = path.suffix.lower()
-    if suffix not in (".npz", ".uff", ".unv"):
-        raise MeasurementError(
-            f"{path}: expected a file .npz, .uff or .unv, found {suffix or 'no suffix'}"
-        )
+    suffix = require_writable_format(path)
     # In the order of the tables, so that no names are needed.
     if suffix == ".npz":
         with (
@@ -62,6 +58,16 @@ def write_responses(
             pyuff.UFF(str(alone)).write_sets([one], mode="add")
             file.write(alone.read_bytes())
             alone.unlink()
+
+
+def require_writable_format(path: Path) -> str:
+    """The suffix of a file that can be written; `MeasurementError` of another one."""
+    suffix = path.suffix.lower()
+    if suffix not in (".npz", ".uff", ".unv"):
+        raise MeasurementError(
+            f"{path}: expected a file .npz, .uff or .unv, found {suffix or 'no suffix'}"
+        )
+    return suffix
 
 
 def _sets(path: Path, data: FrequencyData, channels: ChannelTable, hits: HitTable) -> Any:
