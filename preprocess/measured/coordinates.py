@@ -140,6 +140,11 @@ def _of_hit(k: int, hits: HitTable, center: Array) -> CoordinateBlock:
     return CoordinateBlock(rigid, {}, {k: np.ones(1)})
 
 
+def rigid_rows(levers: Array, directions: Array) -> Array:
+    """`rigid_row` (n, 6) of levers (n, 3) and directions (n, 3)."""
+    return np.hstack([directions, np.cross(levers, directions)])
+
+
 def rigid_row(lever: Array, e: Array) -> Array:
     """[e, lever x e] (6,): the motion along e, of a point at the end of a lever."""
     return np.concatenate([e, np.cross(lever, e)])

@@ -11,7 +11,7 @@ from ..identification.identify import Identification
 from ..identification.responses import Measurement
 from .coherence import doubts_of_coherence
 from .delays import Delays
-from .mass_line import doubts_of_mass_line, mass_line
+from .mass_line import LARGEST_OFFSET, doubts_of_mass_line, mass_line
 from .part_test import PartTest
 from .suspension import stiff_suspension
 
@@ -33,6 +33,7 @@ def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
     """A line for each thing that is wrong with channels, hits, mass or cords."""
     asked = test.body.measured
     yield from doubts_of_coherence(test.data, test.channels.names, test.hits.labels)
+    yield from _levers_not_counted(test)
     if asked.lowest > asked.band[0]:
         yield (
             f"lines below {asked.lowest:g} Hz are not used: on its cords the part has up to "
@@ -51,6 +52,21 @@ def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
         if by_responses or mass_line(measurement.s, measurement.H) is None:
             return
     yield from doubts_of_mass_line(measurement, test.channels, test.hits, test.rigid.center)
+
+
+def _levers_not_counted(test: PartTest) -> Iterator[str]:
+    """A line for each point without rotations whose sensors or hits are not at it."""
+    points = np.vstack([test.channels.points, test.hits.points])
+    labels = (*test.channels.labels, *test.hits.labels)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    for name, point in test.body.interfaces.items():
+        own = [k for k, label in enumerate(labels) if label in (*point.channels, *point.hits)]
+        apart = np.linalg.norm(points[own] - point.at, axis=1)
+        if not point.rotations and (far := float(apart.max())) > LARGEST_OFFSET * size:
+            yield (
+                f"interfaces.{name}: rotations = false, but {labels[own[int(apart.argmax())]]} is "
+                f"{1e3 * far:.0f} mm from its at: levers are not counted"
+            )
 
 
 def doubts_of_fit(

@@ -14,17 +14,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from ...files.arrays import Array, Complex
 from ..identification.responses import Measurement
 from .channels import ChannelTable
+from .coordinates import rigid_rows
 from .hits import HitTable
 
 PART_OF_RESONANCE = 0.75
 FIRST_PEAK = 4.0
-"""root mean square of the responses over that of the first lines, from which on there is a peak"""
+"""root mean square of the responses over the least of lower lines, from which on there is a peak"""
 FIRST_LINES, LEAST_OF_LINE = 5, 8
-"""lines that the level of the mass line is taken from, and how many it must have"""
+"""lines of which the level is the median, and how many the mass line must have"""
 LARGEST_GAIN_ERROR, LARGEST_ANGLE = 0.1, 10.0
 """relative, and in degrees; honest tests are within 0.06 and 5"""
 LARGEST_OFFSET = 0.03
@@ -64,7 +66,9 @@ def mass_line(s: Complex, H: Complex) -> MassLine | None:
     if len(s) < LEAST_OF_LINE:
         return None
     level = np.sqrt(np.mean(np.abs(H) ** 2, axis=(1, 2)))
-    peaks = np.flatnonzero(level > FIRST_PEAK * np.median(level[:FIRST_LINES]))
+    # Over the least level so far: stiff cords raise the first lines, too.
+    steady = median_filter(level, FIRST_LINES, mode="nearest")
+    peaks = np.flatnonzero(level > FIRST_PEAK * np.minimum.accumulate(steady))
     if not len(peaks):
         return None
     # The peak itself: where the level has risen it still rises.
@@ -90,11 +94,14 @@ def doubts_of_mass_line(
     if line is None:
         yield (
             f"fewer than {LEAST_OF_LINE} lines below the first resonance: whether channels, hits "
-            "and mass are right cannot be checked"
+            "and mass are right cannot be checked; if that is a resonance of its cords, give "
+            "measured.suspension"
         )
         return
-    A, outputs = line.rigid, measured.outputs @ measured.rigid
-    given = measured.inputs @ measured.rigid
+    A = line.rigid
+    # By their own levers, which points without rotations leave out of the coordinates.
+    outputs = rigid_rows(channels.points - center, channels.directions)
+    given = rigid_rows(hits.points - center, hits.directions)
     forces = [_wrench(outputs, a, measured.M) for a in A.T]
     mass = float(np.median([np.linalg.norm(wrench[:3]) for wrench in forces]))
     if abs(mass - 1.0) > LARGEST_GAIN_ERROR:

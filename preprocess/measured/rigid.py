@@ -19,7 +19,7 @@ from ...superelement import SuperelementError, read
 from ..body.measured_body import BY_RESPONSES, FrequencyTest, is_inertia
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
-from .coordinates import SPACE_AXES, rigid_row
+from .coordinates import SPACE_AXES, rigid_rows
 from .frequency_data import FrequencyData
 from .hits import HitTable
 from .mass_line import LEAST_OF_LINE, ROBUST_FLOOR, ROBUST_STEPS, mass_line
@@ -85,8 +85,8 @@ def _by_mass_line(
         )
     every = np.vstack([channels.points, hits.points])
     origin, extent = every.mean(axis=0), float(np.ptp(every, axis=0).max())
-    motions = _rows(channels.points - origin, channels.directions)
-    wrenches = _rows(hits.points - origin, hits.directions)
+    motions = rigid_rows(channels.points - origin, channels.directions)
+    wrenches = rigid_rows(hits.points - origin, hits.directions)
     for rows, kind, table in (
         (motions, "the motions of its channels", asked.channels),
         (wrenches, "the wrenches of its hits", asked.hits),
@@ -100,13 +100,9 @@ def _by_mass_line(
             )
     M = np.asarray(np.linalg.inv(_inverse_mass(line.rigid, motions, wrenches)))
     for X in channels.sensors.values():
-        seen = _rows(np.tile(X - origin, (3, 1)), SPACE_AXES)
+        seen = rigid_rows(np.tile(X - origin, (3, 1)), SPACE_AXES)
         M -= asked.sensor_mass * seen.T @ seen
     return _body_of(M, origin, asked)
-
-
-def _rows(levers: Array, directions: Array) -> Array:
-    return np.array([rigid_row(X, e) for X, e in zip(levers, directions, strict=True)])
 
 
 def _inverse_mass(A: Array, motions: Array, wrenches: Array) -> Array:
@@ -150,7 +146,8 @@ def _body_of(M: Array, origin: Array, asked: FrequencyTest) -> RigidProperties:
         principal = ", ".join(f"{J:.3g}" for J in np.linalg.eigvalsh(inertia))
         raise MeasurementError(
             f"{asked.frf}: by its mass line the part has {mass:.3g} kg and the principal moments "
-            f"{principal} kg m^2, which no body has: are channels and hits where the tables say?"
+            f"{principal} kg m^2, which no body has: are channels and hits where the "
+            "tables say, and are its cords soft (measured.suspension)?"
         )
     told = f"{mass:.4g} kg, center and inertia by the mass line"
     if asked.rigid.mass is not None:

@@ -3,20 +3,26 @@
 import numpy as np
 
 from ..identification.responses import Measurement
-from .mass_line import mass_line
+from .mass_line import LEAST_OF_LINE, mass_line
 
 STIFF_SUSPENSION = 0.25
 """frequency on the cords over that of the lowest line, from which on a warning tells of it; that of
-simulated tests is found within 0.03"""
+simulated tests is found within 0.04"""
 SURE_OF_SUSPENSION = 2.0
 """standard deviations by which its square is above the limit"""
+
+LEAST_PART = 0.3
+"""of the rigid motion in a line: below, cords turn the part more than they hold it"""
 
 
 def stiff_suspension(measured: Measurement) -> float:
     """The frequency [Hz] of a part on cords that are too stiff for the lowest lines, or 0.
 
-    By the part alpha(f) of A in the responses, a + b x / (1 - x) + c / f^2 with f_s^2 = c / a: on
-    cords alone it is f^2 / (f^2 - f_s^2).
+    By the part alpha(f) of A in the responses, which on cords alone is f^2 / (f^2 - f_s^2):
+
+        1 / alpha = a + b x / (1 - x) + c / f^2,      f_s^2 = -c / a
+
+    which is smooth at the resonance of the cords too.
     """
     line = mass_line(measured.s, measured.H)
     if line is None:
@@ -24,13 +30,17 @@ def stiff_suspension(measured: Measurement) -> float:
     rows = measured.outputs @ measured.rigid, measured.inputs @ measured.rigid
     A = rows[0] @ np.linalg.solve(measured.M, rows[1].T)
     alpha = np.einsum("kab,ab->k", line.H, A) / (A**2).sum()
+    above = alpha > LEAST_PART
+    if above.sum() < LEAST_OF_LINE:
+        return 0.0
     by_cords = (line.f[0] / line.f) ** 2
-    functions = np.column_stack([np.ones_like(line.x), line.x / (1.0 - line.x), by_cords])
-    found = np.linalg.lstsq(functions, alpha, rcond=None)[0]
+    functions = np.column_stack([np.ones_like(line.x), line.x / (1.0 - line.x), by_cords])[above]
+    inverse = 1.0 / alpha[above]
+    found = np.linalg.lstsq(functions, inverse, rcond=None)[0]
     # With few lines noise alone can look like cords.
-    variance = ((alpha - functions @ found) ** 2).sum() / (len(alpha) - len(found))
+    variance = ((inverse - functions @ found) ** 2).sum() / (len(inverse) - len(found))
     deviation = np.sqrt(variance * np.linalg.inv(functions.T @ functions)[2, 2])
-    square, error = float(found[2] / found[0]), float(deviation / abs(found[0]))
+    square, error = float(-found[2] / found[0]), float(deviation / abs(found[0]))
     if square - SURE_OF_SUSPENSION * error < STIFF_SUSPENSION**2:
         return 0.0
     return float(line.f[0] * np.sqrt(square))

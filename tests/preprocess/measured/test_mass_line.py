@@ -52,7 +52,7 @@ def test_neither_a_higher_band_nor_soft_cords_are_faults(low, cords, tmp_path):
 @pytest.mark.parametrize(
     ("low", "cords", "stiff"),
     [
-        *((20, cords, cords > 5.0) for cords in (0.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0)),
+        *((20, cords, cords > 5.0) for cords in (0.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0, 12.0)),
         (60, 18.0, True),
     ],
 )
@@ -64,6 +64,30 @@ def test_stiff_cords_alone_are_one_message(low, cords, stiff, rigid, tmp_path):
         for doubt in found:
             said = re.match(r"the mass line says that the part has (\d+\.?\d*) Hz on its", doubt)
             assert float(said[1]) == pytest.approx(cords, rel=0.15)
+
+
+def test_mass_by_responses_on_stiff_cords_is_none_or_told(tmp_path):
+    bench = measure(replace(ALL, cords=16.0))
+    (found,) = doubts(bench, tmp_path)
+    assert re.match(r"the mass line says that the part has 1[678] Hz on its cords", found)
+    with pytest.raises(MeasurementError, match=r"are its cords soft \(measured\.suspension\)"):
+        doubts(bench, tmp_path, rigid='from = "frf"')
+
+
+@pytest.mark.parametrize("cords", [20.0, 30.0, 40.0])
+def test_cords_whose_resonance_is_in_the_band_are_asked_for(cords, tmp_path):
+    (found,) = doubts(measure(replace(ALL, cords=cords)), tmp_path)
+    assert "if that is a resonance of its cords, give measured.suspension" in found
+
+
+def test_sensors_and_hits_of_points_without_rotations_are_where_they_are(tmp_path):
+    """Their levers are none of the coordinates of such a point, but the mass line has them."""
+    path = measure(ALL).write(tmp_path)
+    path.write_text(path.read_text().replace("[impulse]", "rotations = false\n[impulse]"))
+    test = read_part_test(preprocess.read_body(path))
+    assert test.coordinates.interfaces["top"] == slice(6, 9)
+    (said,) = doubts_of_test(test, measurement_of(test))
+    assert re.fullmatch(r"interfaces\.top: rotations = false, .* levers are not counted", said)
 
 
 def test_wrong_wires_of_a_part_on_stiff_cords_are_told_too(tmp_path):
