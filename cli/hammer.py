@@ -15,7 +15,7 @@ from ..preprocess.hammer.bench import HammerBench, planned_bench
 from ..preprocess.hammer.plan_files import PlannedFiles
 from ..preprocess.hammer.prediction import PredictedErrors, predicted_errors
 from ..preprocess.hammer.simulation import HammerErrors
-from ..preprocess.measured.response_files import write_responses
+from ..preprocess.measured.response_files import require_writable_format, write_responses
 from ..preprocess.progress import Stages
 from .tables import table
 
@@ -71,6 +71,12 @@ def plan_of(path: Path) -> MeasuredBody:
     raise BodyError(f"{path}: expected a plan, a body file with [measured] frf, found a mesh")
 
 
+def told_apart(paths: Sequence[Path]) -> dict[str, Path]:
+    """Plans by their names in tables: those of the files, or their paths where these are alike."""
+    stems = [path.stem for path in paths]
+    return {path.stem if stems.count(path.stem) == 1 else str(path): path for path in paths}
+
+
 def measured_to_files(
     bench: HammerBench, target: Path, errors: HammerErrors, lines: int, stages: Stages
 ) -> None:
@@ -82,8 +88,10 @@ def measured_to_files(
         write_responses(target, bench.measured(errors, f), bench.channels, bench.hits)
 
 
-def require_new(path: Path) -> None:
+def require_untaken(path: Path, is_folder: bool) -> None:
     """`MeasurementError` for a file or folder that is there: it may be a real measurement."""
+    if not is_folder:
+        require_writable_format(path)
     if path.exists():
         raise MeasurementError(
             f"{path} exists, and may be what was measured: name another with --output"
@@ -92,8 +100,7 @@ def require_new(path: Path) -> None:
 
 @contextmanager
 def folder_when_whole(target: Path) -> Iterator[Path]:
-    """A folder that gets its name when all is in it; `MeasurementError` if there is one already."""
-    require_new(target)
+    """A folder that gets its name when all is in it: half a test looks like a whole one."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
         made = Path(scratch) / target.name
@@ -102,7 +109,7 @@ def folder_when_whole(target: Path) -> Iterator[Path]:
         made.rename(target)
 
 
-def predicted(
+def errors_of_plan(
     name: str, bench: HammerBench, errors: HammerErrors, tests: int, lines: int, stages: Stages
 ) -> PlanErrors:
     """The errors of the parts that a number of tests make, each with a seed of its own."""

@@ -13,8 +13,11 @@ from ..completion import files as files_of
 from ..failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rich.table import Table
 
+    from ...preprocess import Body, MeasuredBody
     from ...preprocess.hammer.simulation import HammerErrors
     from ...preprocess.progress import Stages
     from ..hammer import PlanKeys
@@ -47,20 +50,36 @@ Predicted = Annotated[
         help="Write nothing: identify the part from N tests, and print its errors.",
     ),
 ]
-NoiseRatio = Annotated[float, typer.Option(metavar="RATIO", min=0.0, help="Of each response.")]
-AngleError = Annotated[float, typer.Option(metavar="DEGREES", min=0.0, help="Of sensors and hits.")]
-PlaceError = Annotated[float, typer.Option(metavar="METERS", min=0.0, help="Of sensors and hits.")]
-GainError = Annotated[float, typer.Option(metavar="RATIO", min=0.0, help="Of sensors.")]
-Cords = Annotated[
-    float, typer.Option(metavar="HERTZ", min=0.0, help="Of the part on its cords; 0: free.")
+NoiseRatio = Annotated[
+    float, typer.Option(metavar="RATIO", min=0.0, help="Noise of each response, relative.")
 ]
-TestSeed = Annotated[int, typer.Option(min=0, help="Of all errors: each has its own test.")]
+AngleError = Annotated[
+    float, typer.Option(metavar="DEGREES", min=0.0, help="Of the directions of sensors and hits.")
+]
+PlaceError = Annotated[
+    float,
+    typer.Option(
+        metavar="METERS", min=0.0, help="Distance of sensors and hits from their places, rms."
+    ),
+]
+GainError = Annotated[
+    float, typer.Option(metavar="RATIO", min=0.0, help="Of the gains of sensors, relative.")
+]
+Cords = Annotated[
+    float,
+    typer.Option(
+        metavar="HERTZ", min=0.0, help="How fast the part moves to and fro on its cords; 0: free."
+    ),
+]
+TestSeed = Annotated[int, typer.Option(min=0, help="Each number draws other errors: another test.")]
 LineCount = Annotated[
     int, typer.Option(min=100, max=100_000, help="Frequencies from zero to the end of the band.")
 ]
 BandOfTest = Annotated[
     tuple[float, float] | None,
-    typer.Option("--band", metavar="LOW HIGH", help="Of a plan that is made [Hz]."),
+    typer.Option(
+        "--band", metavar="LOW HIGH", help="[Hz] of a plan that is made; a given one has its own."
+    ),
 ]
 WindowRate = Annotated[
     float,
@@ -112,24 +131,31 @@ def measure(
     from ... import files, preprocess, superelement
     from ...preprocess.hammer.simulation import HammerErrors
     from ...preprocess.progress import shown_stages
-    from ..hammer import PlanKeys
+    from ..hammer import PlanKeys, body_of_mesh, plan_of, require_untaken, told_apart
 
     # A quarter of the noise is there without a response.
     errors = HammerErrors(noise, 0.25 * noise, angle, place, gain, cords, seed)
     keys = PlanKeys(band, window, sensor_mass, f".{suffix}")
+    # Before the work, not after it.
+    with errors_in_one_line(files, preprocess):
+        body = body_of_mesh(body_file)
+        plans = {named: plan_of(path) for named, path in told_apart(plan or []).items()}
+        first = next(iter(plans.values()), None)
+        target = output or (first.measured.frf if first else beside(body_file, "", "test"))
+        if predict is None:
+            require_untaken(target, is_folder=first is None)
     with (
-        errors_in_one_line(files, preprocess, superelement),
+        errors_in_one_line(files, preprocess, superelement, about=body_file),
         shown_stages(True, _warn) as stages,
     ):
         if predict is not None:
-            found = _predicted(body_file, plan or [], keys, errors, predict, lines, stages)
-        elif plan:
-            written = _by_plan(body_file, plan[0], output, errors, lines, stages)
+            found = _predicted(body, plans, keys, errors, predict, lines, stages)
+        elif first is not None:
+            _by_plan(body, first, target, errors, lines, stages)
         else:
-            folder = output or beside(body_file, "", "test")
-            written = _by_made_plan(body_file, folder, keys, errors, lines, stages)
+            target = _by_made_plan(body, target, keys, errors, lines, stages)
     if predict is None:
-        typer.echo(one_line(f"{written}: {perf_counter() - start:.1f} s"))
+        typer.echo(one_line(f"{target}: {perf_counter() - start:.1f} s"))
         return
     from rich.console import Console
 
@@ -141,40 +167,31 @@ def _warn(text: str) -> None:
 
 
 def _by_plan(
-    body_file: Path,
-    plan_file: Path,
-    output: Path | None,
+    body: "Body",
+    plan: "MeasuredBody",
+    target: Path,
     errors: "HammerErrors",
     lines: int,
     stages: "Stages",
-) -> Path:
+) -> None:
     """The responses of a plan that is given."""
     from ...preprocess.hammer.bench import bench_of
-    from ...preprocess.measured.response_files import require_writable_format
-    from ..hammer import body_of_mesh, measured_to_files, plan_of, require_new
+    from ..hammer import measured_to_files
 
-    body, plan = body_of_mesh(body_file), plan_of(plan_file)
-    target = output or plan.measured.frf
-    # Before the work, not after it.
-    require_new(target)
-    require_writable_format(target)
     measured_to_files(bench_of(body, plan, stages), target, errors, lines, stages)
-    return target
 
 
 def _by_made_plan(
-    body_file: Path,
+    body: "Body",
     folder: Path,
     keys: "PlanKeys",
     errors: "HammerErrors",
     lines: int,
     stages: "Stages",
 ) -> Path:
-    """A folder with a plan and its responses."""
-    from ..hammer import body_of_mesh, folder_when_whole, measured_to_files
+    """A folder with a plan and its responses, whose path is returned."""
+    from ..hammer import folder_when_whole, measured_to_files
 
-    body = body_of_mesh(body_file)
-    # A folder of an earlier plan may hold tables that were edited since.
     with folder_when_whole(folder) as made:
         bench = keys.bench(body, made, stages)
         responses = bench.plan.measured.frf
@@ -183,8 +200,8 @@ def _by_made_plan(
 
 
 def _predicted(
-    body_file: Path,
-    plan_files: list[Path],
+    body: "Body",
+    plans: "Mapping[str, MeasuredBody]",
     keys: "PlanKeys",
     errors: "HammerErrors",
     tests: int,
@@ -193,17 +210,16 @@ def _predicted(
 ) -> "Table":
     """What tests by one or more plans would make of the part."""
     from ...preprocess.hammer.bench import bench_of
-    from ..hammer import body_of_mesh, plan_of, predicted, prediction_table
+    from ..hammer import errors_of_plan, prediction_table
 
-    body, found = body_of_mesh(body_file), []
-    plans = [(path, plan_of(path)) for path in plan_files]
-    for path, plan in plans:
-        bench = bench_of(body, plan, stages)
-        found.append(predicted(path.stem, bench, errors, tests, lines, stages))
+    found = [
+        errors_of_plan(name, bench_of(body, plan, stages), errors, tests, lines, stages)
+        for name, plan in plans.items()
+    ]
     if not plans:
         with TemporaryDirectory() as folder:
             bench = keys.bench(body, Path(folder), stages)
-            found.append(predicted("as made", bench, errors, tests, lines, stages))
+            found.append(errors_of_plan("as made", bench, errors, tests, lines, stages))
     for one in found:
         for refused in one.refused:
             stages.warn(f"{one.name}: {refused}")

@@ -21,6 +21,8 @@ from .struck_part import StruckPart, solids_of, struck_part
 
 LINES_OF_TEST = 3200
 """from zero to the highest frequency, as analyzers have them"""
+PLACE_OF_INTERFACE = 1e-3
+"""of the extent of the part, within which a point is that of the mesh"""
 FIRST_LINE = 0.1
 """of the first resonance: below, the cords of the part are in the responses"""
 
@@ -54,7 +56,16 @@ class HammerBench:
         )
 
     def doubts(self, f: Array) -> Iterator[str]:
-        """Peaks that lie between the lines."""
+        """Points that are not where the mesh has its interfaces, and peaks between the lines."""
+        places = {one.name: one.X + self.part.rigid.center for one in self.part.interfaces}
+        size = float(np.linalg.norm(np.ptp(self.part.points, axis=0)))
+        for name, point in self.plan.interfaces.items():
+            apart = float(np.linalg.norm(places[name] - point.at))
+            if apart > PLACE_OF_INTERFACE * size:
+                yield (
+                    f"interfaces.{name}.at: the mesh has it at {places[name].round(6).tolist()}, "
+                    f"the plan {1e3 * apart:.3g} mm from there"
+                )
         modes, asked = self.part.modes, self.plan.measured
         frequencies, apart = modes.resonances / (2.0 * np.pi), float(f[1] - f[0])
         width = 2.0 * self.part.damping * frequencies + asked.window / np.pi
@@ -69,26 +80,27 @@ class HammerBench:
 
 def bench_of(body: Body, plan: MeasuredBody, stages: Stages) -> HammerBench:
     """The bench of a plan that is given; `MeasurementError` for places that the mesh lacks."""
-    channels, hits = read_channels(plan.measured.channels), read_hits(plan.measured.hits)
-    part = _part_of(body, channels, hits, plan.measured.band[1], stages)
     # Errors are compared there: a name that the mesh lacks is refused before the work.
     for name in plan.interfaces:
-        part.at_interface(name)
+        if name not in body.interfaces:
+            known = ", ".join(body.interfaces)
+            raise MeasurementError(f"interfaces.{name}: the mesh has none; there are: {known}")
+    channels, hits = read_channels(plan.measured.channels), read_hits(plan.measured.hits)
+    part = _part_of(body, channels, hits, plan.measured.band[1], stages)
     return HammerBench(plan, channels, hits, part)
 
 
 def _part_of(
     body: Body, channels: ChannelTable, hits: HitTable, highest: float, stages: Stages
 ) -> StruckPart:
-    points = {f"sensor {label}": X for label, X in channels.sensors.items()}
-    points |= {f"hit {label}": X for label, X in zip(hits.labels, hits.points, strict=True)}
-    part = struck_part(body, points, highest, stages)
-    if not part.damping.any():
+    if not body.damping.model_fields_set and not any(body.loss_factors.values()):
         raise MeasurementError(
             "damping: a part that is tested needs some, or its peaks would have no width: expected "
             "[damping] or a loss_factor, found none"
         )
-    return part
+    points = {f"sensor {label}": X for label, X in channels.sensors.items()}
+    points |= {f"hit {label}": X for label, X in zip(hits.labels, hits.points, strict=True)}
+    return struck_part(body, points, highest, stages)
 
 
 def planned_bench(

@@ -14,6 +14,7 @@ import numpy as np
 from ...files.arrays import Array, IntArray
 from ..assembly.interfaces import Attachment
 from ..errors import MeasurementError
+from ..measured.coordinates import rigid_rows, space_rows
 from ..mesh.mesh import NO_NODES
 from ..sources.solids import SolidSource
 
@@ -38,7 +39,6 @@ class PlannedInterface:
     """The points of sensors and hits around an interface, which is at (3,) [m]."""
 
     at: Array
-    rotates: bool
     sensors: IntArray
     hits: IntArray
 
@@ -70,8 +70,8 @@ def made_plan(source: SolidSource, frames: Mapping[str, Attachment]) -> MadePlan
         nodes = source.nodes.points[frame.nodes]
         own = float(np.linalg.norm(nodes - frame.X, axis=1).max())
         reach = REACH_AT_FIRST * max(own, 1e-2 * size)
-        # Of a single node, and of a slender one, the nearest facets all push in one direction.
-        while (planned := _around(surface, frame.X, reach, frame.rotates)) is None:
+        # Of a flat one the nearest facets all push in one direction.
+        while (planned := _around(surface, frame.X, reach)) is None:
             reach *= REACH_GROWS_BY
             if reach > size:
                 raise MeasurementError(
@@ -99,25 +99,19 @@ def facet_middles(source: SolidSource) -> FacetMiddles:
     return FacetMiddles(np.vstack(points), np.vstack(inwards))
 
 
-def _around(
-    surface: FacetMiddles, at: Array, reach: float, rotates: bool
-) -> PlannedInterface | None:
+def _around(surface: FacetMiddles, at: Array, reach: float) -> PlannedInterface | None:
     near = np.flatnonzero(np.linalg.norm(surface.points - at, axis=1) <= reach)
     if not len(near):
         return None
-    n = 6 if rotates else 3
     levers = (surface.points[near] - at) / reach
-    d = surface.inwards[near]
-    wrenches = np.hstack([d, np.cross(levers, d)])[:, None, :n]
-    # A triaxial sensor reads e . (u + theta x X) along each axis.
-    axes = np.broadcast_to(np.eye(3), (len(near), 3, 3))
-    motions = np.concatenate([axes, np.cross(levers[:, None], axes)], axis=2)[:, :, :n]
+    wrenches = rigid_rows(levers, surface.inwards[near])[:, None]
+    motions = np.array([space_rows(lever) for lever in levers])
     sensors, told_by_sensors = _chosen(motions, SENSORS_OF_INTERFACE)
     # No hammer hits a sensor.
     hits, told_by_hits = _chosen(wrenches, HITS_OF_INTERFACE, sensors)
     if max(told_by_hits, told_by_sensors) > LARGEST_CONDITION_OF_PLAN:
         return None
-    return PlannedInterface(at, rotates, near[sensors], near[hits])
+    return PlannedInterface(at, near[sensors], near[hits])
 
 
 def _chosen(rows: Array, count: int, taken: IntArray = NO_NODES) -> tuple[IntArray, float]:

@@ -78,13 +78,14 @@ class PlannedFiles:
         """The body file of a part with the mass, the center and the inertia of its mesh."""
         decimals = _decimals(plan.surface.points)
         test = {"window": self.window, "sensor_mass": self.sensor_mass}
-        interfaces = {}
-        for (name, one), group in zip(plan.interfaces.items(), _labelled(plan), strict=False):
-            interfaces[name] = {
+        interfaces = {
+            name: {
                 "at": _rounded(one.at, decimals),
                 "channels": list(group.sensors),
                 "hits": list(group.hits),
-            } | ({} if one.rotates else {"rotations": False})
+            }
+            for (name, one), group in zip(plan.interfaces.items(), _labelled(plan), strict=False)
+        }
         tested = MeasuredBody.model_validate(
             {
                 "name": body.name,
@@ -95,9 +96,11 @@ class PlannedFiles:
                     "band": list(band),
                     **{key: value for key, value in test.items() if value},
                     "rigid": {
-                        "mass": float(f"{part.mass:.{DIGITS_OF_SIZE}g}"),
-                        "center": _rounded(part.center, decimals),
-                        "inertia": _rounded(part.J_rot, _decimals_of(np.abs(part.J_rot).max())),
+                        "mass": float(f"{part.rigid.mass:.{DIGITS_OF_SIZE}g}"),
+                        "center": _rounded(part.rigid.center, decimals),
+                        "inertia": _rounded(
+                            part.rigid.inertia, _decimals_of(np.abs(part.rigid.inertia).max())
+                        ),
                     },
                 },
                 "interfaces": interfaces,
@@ -122,7 +125,7 @@ class LabelledGroup:
 def _labelled(plan: MadePlan) -> Iterator[LabelledGroup]:
     """Of each interface, and then of the further ones."""
     sensor = FIRST_SENSOR
-    groups = [*((one.sensors, one.hits) for one in plan.interfaces.values())]
+    groups = [(one.sensors, one.hits) for one in plan.interfaces.values()]
     for number, (sensors, hits) in enumerate([*groups, (plan.sensors, plan.hits)]):
         yield LabelledGroup(
             {str(sensor + i): int(k) for i, k in enumerate(sensors)},

@@ -7,7 +7,8 @@ from scipy.optimize import linear_sum_assignment
 
 from ...files.arrays import Array
 from ...superelement import Superelement
-from .struck_part import StruckPart, stacked_motions
+from ..measured.rigid import RigidProperties
+from .free_part import FreePart, stacked_motions
 
 SAME_MODE = 0.02
 """relative difference of frequencies within which a mode is found"""
@@ -30,7 +31,7 @@ class PredictedErrors:
     responses: Array
 
 
-def predicted_errors(part: StruckPart, element: Superelement, lowest: float) -> PredictedErrors:
+def predicted_errors(part: FreePart, element: Superelement, lowest: float) -> PredictedErrors:
     """The errors of a superelement that a test from `lowest` [Hz] on made of a part."""
     modes, highest = element.modes, element.kernel.band
     assert modes is not None
@@ -59,9 +60,11 @@ def _largest(errors: Array) -> float:
     return float(errors.max()) if len(errors) else np.nan
 
 
-def _of_responses(part: StruckPart, element: Superelement, f: Array) -> Array:
+def _of_responses(part: FreePart, element: Superelement, f: Array) -> Array:
     s = np.asarray(2j * np.pi * f, dtype=complex)
-    found = _at_interfaces(element)
+    assert element.modes is not None
+    rigid = RigidProperties(element.mass, element.center, element.J_rot)
+    found = FreePart(element.name, rigid, element.interfaces, element.modes)
     own = [found.at_interface(interface.name) for interface in element.interfaces]
     true = []
     for interface, motion in zip(element.interfaces, own, strict=True):
@@ -80,20 +83,3 @@ def _of_responses(part: StruckPart, element: Superelement, f: Array) -> Array:
         strict=True,
     )
     return np.array([float(np.sqrt(a.sum() / b.sum())) for a, b in thirds])
-
-
-def _at_interfaces(element: Superelement) -> StruckPart:
-    assert element.modes is not None
-    none = np.zeros((0, 3))
-    m = len(element.modes.omega)
-    return StruckPart(
-        element.name,
-        element.mass,
-        element.J_rot,
-        element.center,
-        element.interfaces,
-        element.modes,
-        none,
-        np.zeros((0, 3, m)),
-        np.zeros((0, 3, 3, m)),
-    )

@@ -9,7 +9,8 @@ from ...files.arrays import Array, Complex
 from ..measured.channels import ChannelTable
 from ..measured.frequency_data import FrequencyData
 from ..measured.hits import HitTable
-from .struck_part import PlaceMotion, StruckPart, stacked_motions
+from .free_part import PlaceMotion, stacked_motions
+from .struck_part import StruckPart
 
 CORD_PLACES = 3
 
@@ -96,7 +97,9 @@ def hammer_test(
         real, imaginary = rng.standard_normal((2, *H.shape))
         return np.asarray((real + 1j * imaginary) / np.sqrt(2.0))
 
-    return FrequencyData(f, H * (1.0 + errors.noise * noise()) + errors.floor / part.mass * noise())
+    return FrequencyData(
+        f, H * (1.0 + errors.noise * noise()) + errors.floor / part.rigid.mass * noise()
+    )
 
 
 def _mounted(
@@ -108,7 +111,7 @@ def _mounted(
         places += [(k, np.full(len(s), sensor_mass, dtype=complex)) for k in range(sensors)]
     if errors.cords:
         # Springs in all directions, as cords hold a part that swings little.
-        stiffness = part.mass * (2.0 * np.pi * errors.cords) ** 2 / CORD_PLACES
+        stiffness = part.rigid.mass * (2.0 * np.pi * errors.cords) ** 2 / CORD_PLACES
         places += [(k, stiffness / s**2) for k in far_apart(part.points[:sensors], CORD_PLACES)]
     if not places:
         return None

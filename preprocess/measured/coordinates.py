@@ -88,9 +88,7 @@ def coordinates_of(
         if name := at_sensor[label]:
             own, lever = interfaces[name], X - np.array(points[name].at)
             motions[label] = np.zeros((3, first[-1]))
-            motions[label][:, own] = [
-                rigid_row(lever, e)[: own.stop - own.start] for e in SPACE_AXES
-            ]
+            motions[label][:, own] = space_rows(lever)[:, : own.stop - own.start]
     rigid = np.vstack([block.rigid for block in blocks])
     return TestCoordinates(outputs, inputs, rigid, interfaces, sensors, places, motions)
 
@@ -112,7 +110,7 @@ def _of_point(
         }
         _require_rank(name, key, np.array(list(rows[key].values())))
     turns = np.hstack([np.zeros((3, 3)), SPACE_AXES])
-    rigid = np.vstack([*(rigid_row(X - center, e) for e in SPACE_AXES), *turns])
+    rigid = np.vstack([space_rows(X - center), turns])
     return CoordinateBlock(rigid[:n], rows["channels"], rows["hits"])
 
 
@@ -122,7 +120,8 @@ def _of_sensor(label: str, channels: ChannelTable, center: Array) -> CoordinateB
     directions, triaxial = channels.directions[mine], _is_triaxial(channels, label)
     axes = SPACE_AXES if triaxial else directions
     rows = directions if triaxial else np.eye(len(mine))
-    rigid = np.array([rigid_row(channels.points[mine[0]] - center, e) for e in axes])
+    lever = channels.points[mine[0]] - center
+    rigid = rigid_rows(np.tile(lever, (len(axes), 1)), axes)
     return CoordinateBlock(rigid, dict(zip(mine, rows, strict=True)), {})
 
 
@@ -143,6 +142,11 @@ def _of_hit(k: int, hits: HitTable, center: Array) -> CoordinateBlock:
 def rigid_rows(levers: Array, directions: Array) -> Array:
     """`rigid_row` (n, 6) of levers (n, 3) and directions (n, 3)."""
     return np.hstack([directions, np.cross(levers, directions)])
+
+
+def space_rows(lever: Array) -> Array:
+    """(3, 6): the motion u + theta x X along x, y, z, of a point at the end of a lever."""
+    return rigid_rows(np.tile(lever, (3, 1)), SPACE_AXES)
 
 
 def rigid_row(lever: Array, e: Array) -> Array:

@@ -19,7 +19,7 @@ from scipy.ndimage import median_filter
 from ...files.arrays import Array, Complex
 from ..identification.responses import Measurement
 from .channels import ChannelTable
-from .coordinates import rigid_rows
+from .coordinates import rigid_rows, space_rows
 from .hits import HitTable
 
 PART_OF_RESONANCE = 0.75
@@ -160,7 +160,7 @@ def _of_sensor(
     label, X = channels.labels[rows[0]], channels.points[rows[0]] - center
     directions = channels.directions[rows]
     # What channels would read there, and what combinations of these they do read.
-    at_place = np.hstack([np.eye(3), _turning(X)]) @ by_wrench
+    at_place = space_rows(X) @ by_wrench
     seen = _robust(at_place.T, A.T).T
     own = seen @ np.linalg.pinv(directions) if len(rows) == 3 else None
     names = [channels.names[k].rpartition(":")[2] for k in rows]
@@ -257,11 +257,6 @@ def _of_hit(wrench: Array, given: Array, X: Array, label: str, size: float) -> I
     beside = float(np.linalg.norm(wrench[3:] - np.cross(X, force))) / strength
     if beside > LARGEST_OFFSET * size:
         yield f"hit {label}: {1e3 * beside:.0f} mm beside its place, by what it did"
-
-
-def _turning(X: Array) -> Array:
-    """(3, 3): theta x X for rotations theta."""
-    return -_cross(X)
 
 
 def _cross(v: Array) -> Array:

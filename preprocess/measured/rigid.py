@@ -19,7 +19,7 @@ from ...superelement import SuperelementError, read
 from ..body.measured_body import BY_RESPONSES, FrequencyTest, is_inertia
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
-from .coordinates import SPACE_AXES, rigid_rows
+from .coordinates import SPACE_AXES, rigid_rows, space_rows
 from .frequency_data import FrequencyData
 from .hits import HitTable
 from .mass_line import LEAST_OF_LINE, ROBUST_FLOOR, ROBUST_STEPS, mass_line
@@ -100,7 +100,7 @@ def _by_mass_line(
             )
     M = np.asarray(np.linalg.inv(_inverse_mass(line.rigid, motions, wrenches)))
     for X in channels.sensors.values():
-        seen = rigid_rows(np.tile(X - origin, (3, 1)), SPACE_AXES)
+        seen = space_rows(X - origin)
         M -= asked.sensor_mass * seen.T @ seen
     return _body_of(M, origin, asked)
 

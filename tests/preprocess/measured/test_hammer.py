@@ -9,13 +9,16 @@ import pytest
 from duhamel import preprocess
 from duhamel.cli import app
 from duhamel.preprocess import MeasurementError
+from duhamel.preprocess.hammer.bench import bench_of
 from duhamel.preprocess.hammer.made_plan import LARGEST_CONDITION_OF_PLAN, facet_middles, made_plan
+from duhamel.preprocess.hammer.prediction import predicted_errors
 from duhamel.preprocess.hammer.simulation import HammerErrors, hammer_test
 from duhamel.preprocess.hammer.struck_part import solids_of, struck_part
 from duhamel.preprocess.measured.channels import read_channels
 from duhamel.preprocess.measured.frequency_data import read_responses
 from duhamel.preprocess.measured.hits import read_hits
 from duhamel.preprocess.progress import Stages
+from duhamel.superelement import GeneralizedAlpha, sample_kernel
 from typer.testing import CliRunner
 
 from .hammer_bench import HITS, SENSORS, STEEL, Errors, angle_mesh, measure, truth, write_tables
@@ -193,8 +196,14 @@ def test_what_cannot_be_tested_is_refused(angle, tmp_path, monkeypatch):
     preprocess.write_body(beam.body(step=1e-4), "beam.toml")
     (tmp_path / "there").mkdir()
     for arguments, said in (
-        (["beam.toml"], "takes a mesh of solids"),
-        (["undamped.toml", "--band", "20", "500"], "expected [damping] or a loss_factor"),
+        (
+            ["beam.toml"],
+            "beam.toml: expected a mesh of solids, whose surface a hammer hits, found a mesh of lines",
+        ),
+        (
+            ["undamped.toml", "--band", "20", "500"],
+            "undamped.toml: damping: a part that is tested needs some",
+        ),
         (["angle.toml", "-o", "there"], "there exists, and may be what was measured"),
         (["angle.toml", "--plan", "angle.toml"], "expected a plan"),
     ):
@@ -227,9 +236,60 @@ def test_errors_are_those_of_sensors_and_of_hits(struck, tables, key, sensors, h
     H = hammer_test(struck, *tables, f, replace(NO_ERRORS, **{key: value})).H[0].real
     channels, hits_table = tables
     for table, A, wrong in ((channels, H, sensors), (hits_table, H.T, hits)):
-        X, e = table.points - struck.center, table.directions
+        X, e = table.points - struck.rigid.center, table.directions
         R = np.hstack([e, np.cross(X, e)])
         left = A - R @ np.linalg.pinv(R) @ A
         share = np.linalg.norm(left) / np.linalg.norm(A)
         assert (share > 2e-3) == wrong
         assert wrong or share < 5e-4
+
+
+def test_points_beside_those_of_the_mesh_are_told_before_anything_is_predicted(angle, tmp_path):
+    preprocess.write_body(angle, tmp_path / "angle.toml")
+    path = measure().write(tmp_path)
+    plan = preprocess.read_body(path)
+    moved = replace_at(plan, "foot", [0.28, 0.025, 0.0])
+    told = [doubt for doubt in bench_of(angle, moved, Stages()).doubts(F) if "interfaces" in doubt]
+    assert told == [
+        "interfaces.foot.at: the mesh has it at [0.28, 0.025, 0.03], the plan 30 mm from there"
+    ]
+    renamed = plan.model_copy(update={"interfaces": {"head": plan.interfaces["foot"]}})
+    with pytest.raises(MeasurementError, match=r"interfaces\.head: the mesh has none; there are: "):
+        bench_of(angle, renamed, Stages())
+
+
+F = np.arange(20.0, 500.0, 1.0)
+
+
+def replace_at(plan, name, at):
+    point = plan.interfaces[name].model_copy(update={"at": tuple(at)})
+    return plan.model_copy(update={"interfaces": plan.interfaces | {name: point}})
+
+
+def test_one_mode_that_is_missing_does_not_shift_the_others(struck):
+    """Eight modes of which one was not found, and two that are none of the part."""
+    true = np.sort(struck.modes.resonances)[:8]
+    found = np.concatenate([np.delete(true, 3), true[-1] * np.array([1.1, 1.2])])
+    modes = replace(
+        struck.modes,
+        omega=found,
+        zeta=np.full(9, 0.01),
+        phi=np.zeros((len(struck.modes.phi), 9)),
+    )
+    part = replace(
+        struck, modes=replace(struck.modes, omega=true, zeta=np.full(8, 0.01), phi=modes.phi[:, :8])
+    )
+    element = du.Superelement(
+        name="found",
+        mass=part.rigid.mass,
+        J_rot=part.rigid.inertia,
+        center=part.rigid.center,
+        interfaces=part.interfaces,
+        kernel=sample_kernel(modes, 2e-5, GeneralizedAlpha(), 10, 0.0, 4000.0),
+        modes=modes,
+        compliance=modes.compliance,
+        accelerance=modes.accelerance,
+    )
+    errors = predicted_errors(part, element, 20.0)
+    assert (errors.found, errors.modes) == (7, 8)
+    assert errors.frequency < 1e-12
