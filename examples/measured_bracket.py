@@ -64,8 +64,8 @@ def main(folder: Path) -> Differences:
         view.save(curves(*brackets), folder / "measured-bracket.png")
     assert found.peak < 0.01
     assert found.impulse < 0.01
-    assert found.motion < 0.1
-    assert found.bearing < 0.2
+    assert found.motion < 0.08
+    assert found.bearing < 0.15
     return found
 
 
