@@ -1,5 +1,6 @@
 #include "core.h"
 #include "image.h"
+#include "processor.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -15,7 +16,9 @@ void duhamel_solver_step_watches_open_row(double *results, void *rows, const voi
                                           int64_t n, const void *limits, int64_t n_limits,
                                           double *gradient, int64_t n_gradient, void *work);
 
+/* Of image.c, which is made for each export. */
 extern const unsigned char duhamel_image[];
+extern const int duhamel_processor;
 
 enum { CONSTANT_SEGMENT, LIVE_SEGMENT, ALIGNMENT = 64, STEPS_BETWEEN_CHECKS = 256 };
 static const double STEP_ROUNDING = 1e-3;   /* of times and sizes that importers give, in steps */
@@ -68,6 +71,13 @@ Core *core_new(const char *token, char message[MESSAGE_SIZE]) {
         core_free(core);
         return NULL;
     }
+    const char *missing = missing_processor(duhamel_processor);
+    if (missing) {
+        snprintf(message, MESSAGE_SIZE, "expected a processor with %s: export for an older one",
+                 missing);
+        core_free(core);
+        return NULL;
+    }
     const size_t n_inputs = (size_t)number(core, N_INPUTS);
     const size_t n_parameters = (size_t)words(core, PIECE_PARAMETERS);
     const size_t before = rounded(sizeof(Head) + 8 * (n_inputs + n_parameters));
@@ -87,7 +97,8 @@ Core *core_new(const char *token, char message[MESSAGE_SIZE]) {
     core->live = (unsigned char *)core->head + before;
     core->constant = (unsigned char *)piece(core, PIECE_CONSTANT);
     if (n_parameters) core->constant = memcpy(aligned(core->memory[2]), core->constant, constant);
-    core->words = memcpy(core->memory[1], piece(core, PIECE_WORDS), (size_t)bytes(core, PIECE_WORDS));
+    const size_t n_words = (size_t)bytes(core, PIECE_WORDS);
+    core->words = memcpy(core->memory[1], piece(core, PIECE_WORDS), n_words);
     const int64_t *at = piece(core, PIECE_RELOCATIONS);
     for (int64_t i = 0; i < words(core, PIECE_RELOCATIONS); i += 3) {
         unsigned char *segment = at[i + 1] == LIVE_SEGMENT ? core->live : core->constant;
@@ -174,7 +185,8 @@ int core_start(Core *core) {
 int core_count(Core *core, double now, double size, int64_t *n) {
     const double h = core_step_size(core), time = core_time(core), count = floor(size / h + 0.5);
     if (!(fabs(now - time) <= STEP_ROUNDING * h))
-        return core_fails(core, "currentCommunicationPoint: expected %.12g s, got %.12g", time, now);
+        return core_fails(core, "currentCommunicationPoint: expected %.12g s, got %.12g", time,
+                          now);
     if (!(count >= 1.0) || !(fabs(count * h - size) <= STEP_ROUNDING * h))
         return core_fails(core, "communicationStepSize: expected a multiple of the internal step "
                           "%.12g s, got %.12g, which is %.6g of it", h, size, size / h);
@@ -189,8 +201,8 @@ int core_count(Core *core, double now, double size, int64_t *n) {
 static int set_signals(Core *core, int64_t step) {
     const int64_t last = number(core, N_STEPS), n = words(core, PIECE_SIGNAL_PLACES);
     if (last && step > last)
-        return core_fails(core, "t = %.9g s is the end of this export: expected one of a model with "
-                          "a later t_end", core->head->start + real(core, END));
+        return core_fails(core, "t = %.9g s is the end of this export: expected one of a model "
+                          "with a later t_end", core->head->start + real(core, END));
     const double *row = (const double *)piece(core, PIECE_SIGNALS) + (step - 1) * n;
     const int64_t *at = piece(core, PIECE_SIGNAL_PLACES);
     for (int64_t i = 0; i < n; i++) memcpy(core->live + at[i], row + i, 8);
@@ -221,8 +233,8 @@ static int leaves_its_range(Core *core, double time) {
     const int64_t passed = *(int64_t *)live(core, PLACE_OF_PASSED);
     if (passed)
         return core_fails(core, "%s passed through what it should meet within one step, at "
-                          "t = %.9g s: expected a smaller step", name(core, PIECE_CONTACTS, passed - 1),
-                          time);
+                          "t = %.9g s: expected a smaller step",
+                          name(core, PIECE_CONTACTS, passed - 1), time);
     const int64_t *shortest = live(core, PLACE_OF_SHORTEST);
     const double created = *(double *)live(core, PLACE_OF_SWITCHING);
     if (created > real(core, MOST_CREATED) * *(double *)live(core, PLACE_OF_MOVED))
@@ -231,7 +243,8 @@ static int leaves_its_range(Core *core, double time) {
                 return core_fails(core, "%s touched for %lld steps at the shortest and has created "
                                   "energy until t = %.9g s: expected a step of %.2g s or less",
                                   name(core, PIECE_CONTACTS, c), (long long)shortest[c], time,
-                                  core_step_size(core) * (double)shortest[c] / real(core, GOOD_STEPS));
+                                  core_step_size(core) * (double)shortest[c] /
+                                  real(core, GOOD_STEPS));
     const int64_t left = *(int64_t *)live(core, PLACE_OF_LEFT);
     if (left)
         return core_fails(core, "frame '%s' has left the range of linear elasticity at t = %.9g s",

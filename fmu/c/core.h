@@ -40,7 +40,7 @@ int core_setup(Core *, double start, double stop);
 int core_start(Core *);                     /* prepares the first step */
 double core_time(const Core *);
 double core_step_size(const Core *);
-int core_count(Core *, double now, double size, int64_t *n);   /* the steps of a communication step */
+int core_count(Core *, double now, double size, int64_t *n);   /* the steps of this size */
 int core_step(Core *, int recorded);        /* to the present inputs; outputs are those recorded */
 int core_fails(Core *, const char *format, ...);
 

@@ -183,14 +183,14 @@ def _linked(module: Any, libraries: list[Any]) -> Any:
 
 def _emitted(module: Any, target: Target) -> bytes:
     """A module, optimized for a target: its vectors have other lengths on another processor."""
-    if not target.is_host:
-        module.triple = target.triple
-        module.data_layout = str(_machine(target).target_data)
+    machine = _machine(target)
+    if not target.is_loaded:
+        module.triple = target.triple or llvm.get_process_triple()
+        module.data_layout = str(machine.target_data)
         for function in module.functions:
             if not function.is_declaration and function.linkage != llvm.Linkage.internal:
                 # Two libraries in one process must not call each other's functions of this name.
                 function.visibility = "hidden"
-    machine = _machine(target)
     _optimize(module, machine)
     return bytes(machine.emit_object(module))
 
@@ -225,20 +225,18 @@ def _with_linked(libraries: list[Any]) -> list[Any]:
 
 
 def _machine(target: Target) -> Any:
-    """What emits code for a target: that of this machine is loaded without a linker."""
-    if target.is_host:
-        return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
-            cpu=llvm.get_host_cpu_name(),
-            features=llvm.get_host_cpu_features().flatten(),
-            opt=LLVM_OPTIMIZATION,
-            reloc="static",
-            codemodel="jitdefault",
-            jit=True,
-        )
+    """What emits code for a target."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    return llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, opt=LLVM_OPTIMIZATION, reloc="pic", codemodel="default"
+    chosen = llvm.Target.from_triple(target.triple or llvm.get_process_triple())
+    own = "" if target.cpu else llvm.get_host_cpu_features().flatten()
+    linking = {"reloc": "pic", "codemodel": "default"}
+    loading = {"reloc": "static", "codemodel": "jitdefault", "jit": True}
+    return chosen.create_target_machine(
+        cpu=target.cpu or llvm.get_host_cpu_name(),
+        features=own,
+        opt=LLVM_OPTIMIZATION,
+        **(loading if target.is_loaded else linking),
     )
 
 

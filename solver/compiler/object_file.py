@@ -114,11 +114,11 @@ def key(target: str = HOST) -> str:
 
 def _machine(target: str) -> tuple[str, str]:
     """The system and the processor of a target."""
-    if target != HOST:
-        return TARGETS[target].triple, TARGETS[target].cpu
     import llvmlite.binding as llvm
 
-    return llvm.get_process_triple(), processor()
+    chosen = TARGETS[target]
+    triple = chosen.triple or llvm.get_process_triple()
+    return f"{triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu or processor()
 
 
 @cache

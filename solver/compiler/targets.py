@@ -5,23 +5,21 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Target:
-    """A system by its LLVM triple and a processor by its LLVM name; without, this machine.
+    """A system by its LLVM triple and a processor by its LLVM name; "": that of this machine.
 
-    Code for this machine is loaded without a linker, that for others is position-independent.
+    is_loaded: without a linker, into this process; all other code is position-independent.
     """
 
     triple: str = ""
     cpu: str = ""
-
-    @property
-    def is_host(self) -> bool:
-        return not self.triple
+    is_loaded: bool = False
 
 
 LINUX, WINDOWS = "x86_64-unknown-linux-gnu", "x86_64-w64-windows-gnu"
 HOST = "host"
 TARGETS = {
-    HOST: Target(),
+    HOST: Target(is_loaded=True),
+    "native": Target(),
     "x86_64-linux": Target(LINUX, "x86-64-v3"),
     "x86_64-linux-v2": Target(LINUX, "x86-64-v2"),
     "aarch64-linux": Target("aarch64-unknown-linux-gnu", "cortex-a72"),

@@ -139,7 +139,7 @@ def machine_code():
     marks.COMPILED_ENTRIES.clear()
     try:
         made = {function.__name__: marks.entry(function) for function in FUNCTIONS}
-        engine = object_file.engine_of(*build([Target()]))
+        engine = object_file.engine_of(*build([Target(is_loaded=True)]))
     finally:
         for registry, content in (
             (marks.COMPILED_FUNCTIONS, compiled),

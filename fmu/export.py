@@ -1,0 +1,193 @@
+"""A model as a file that importers of FMI step without Python."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..files.outputs import renamed_when_whole, require_no_input
+from ..solver.compiler.object_file import object_files
+from ..solver.errors import about
+from ..solver.laws.user import UserLaw
+from ..solver.model.model import Model
+from ..solver.simulation import start_warnings
+from ..solver.stepper import Stepper
+from .archive import archive
+from .description import Experiment, description, terminals
+from .errors import ExportError
+from .image import image_of, token_of
+from .library import PLATFORMS, linked, own_platform
+from .naming import identifier
+from .variables import Kind, Variable, variables
+
+FMI_VERSIONS = (2, 3)
+CPUS = ("x86-64-v3", "x86-64-v2", "native")
+SOURCES = Path(__file__).with_name("c")
+STEP_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Export:
+    """What was written.
+
+    step, communication: the internal step and that of importers by default [s]; sizes: of the
+    libraries by their platforms [bytes]; notes: what importers or users should know.
+    """
+
+    path: Path
+    version: int
+    step: float
+    communication: float
+    variables: tuple[Variable, ...]
+    sizes: dict[str, int]
+    notes: tuple[str, ...]
+
+    @property
+    def inputs(self) -> tuple[Variable, ...]:
+        return tuple(one for one in self.variables if one.kind is Kind.INPUT)
+
+
+def export(
+    model: Model,
+    path: str | os.PathLike[str],
+    *,
+    outputs: Sequence[str] = (),
+    parameters: Sequence[str] = (),
+    communication: float | None = None,
+    platforms: Sequence[str] = (),
+    version: int = 3,
+    cpu: str = "x86-64-v3",
+) -> Export:
+    """Write a model as an FMU for co-simulation, which steps it without Python.
+
+    With the processor of this machine its outputs are, to the bit, those of `solver.Simulator`.
+
+    Parameters
+    ----------
+    model : Model
+        Its signals `Input` are the inputs.
+    path : path
+        A new file, or one to be replaced.
+    outputs : sequence of str
+        As "joints/pivot/angle"; stars stand for anything. By default the quantities of `[output]`,
+        or else all of joints, motors, sensors and energies.
+    parameters : sequence of str
+        What importers may change between steps, as "motors/servo/stiffness": see
+        docs/how-to/fmu.md.
+    communication : float, optional [s]
+        The step of importers. The internal step becomes a whole fraction of it, no longer than that
+        of the model; without it, importers take multiples of the step of the model.
+    platforms : sequence of str
+        Of "x86_64-linux", "aarch64-linux", "x86_64-windows" and "aarch64-darwin"; by default that
+        of this machine.
+    version : {3, 2}
+        Of FMI.
+    cpu : {"x86-64-v3", "x86-64-v2", "native"}
+        The least processor of x86-64 platforms; "native" is that of this machine.
+
+    Returns
+    -------
+    Export
+
+    Raises
+    ------
+    ExportError
+        For what an FMU cannot do, and where a compiler is missing.
+    ModelError
+        For a model that cannot start.
+    """
+    _check_options(platforms, version, cpu)
+    target = Path(path)
+    if model.path:
+        require_no_input(target, [Path(model.path)], "the model file", "FMU")
+    with about(model.path):
+        stepper, notes = _stepper(model, communication)
+        chosen = variables(stepper, outputs, parameters)
+        image = image_of(stepper, chosen)
+    name = Path(model.path).stem if model.path else target.stem
+    h = stepper.lowered.h
+    experiment = Experiment(
+        name=name,
+        identifier=identifier(name),
+        token=token_of(image),
+        step=h,
+        communication=communication or h,
+        stop=stepper.lowered.n_steps * h,
+    )
+    names = tuple(platforms) or (own_platform(),)
+    libraries = _libraries(names, cpu, experiment.identifier, image)
+    contents = {"modelDescription.xml": description(version, experiment, chosen)}
+    if version == 3:
+        contents["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(chosen)
+    contents["documentation/licenses/license.txt"] = SOURCES.joinpath("licenses.txt").read_bytes()
+    for one, library in libraries.items():
+        platform = PLATFORMS[one]
+        folder = one if version == 3 else platform.name_2
+        contents[f"binaries/{folder}/{experiment.identifier}{platform.suffix}"] = library
+    with renamed_when_whole(target, failure=ExportError) as temporary:
+        temporary.write_bytes(archive(contents))
+    sizes = {one: len(library) for one, library in libraries.items()}
+    return Export(target, version, h, experiment.communication, chosen, sizes, notes)
+
+
+def _check_options(platforms: Sequence[str], version: int, cpu: str) -> None:
+    if version not in FMI_VERSIONS:
+        raise ExportError(f"fmi: expected 3 or 2, got {version}")
+    if cpu not in CPUS:
+        raise ExportError(f"cpu: expected {' or '.join(CPUS)}, got {cpu!r}")
+    for name in platforms or (own_platform(),):
+        if name not in PLATFORMS:
+            raise ExportError(f"platform: expected of {', '.join(PLATFORMS)}, got {name!r}")
+        if cpu == "native" and name != own_platform():
+            raise ExportError(f"cpu native: expected the platform {own_platform()}, got {name!r}")
+        if version == 2 and not PLATFORMS[name].name_2:
+            raise ExportError(f"platform {name}: FMI 2 has no folder for it: expected FMI 3")
+
+
+def _stepper(model: Model, communication: float | None) -> tuple[Stepper, tuple[str, ...]]:
+    """A model before its first step, with steps that fit the communication step, and notes."""
+    if model.settings.contact_step is not None:
+        raise ExportError("simulation: contact_step: an FMU takes steps of one size")
+    stepper = Stepper(model, ())
+    notes = list(start_warnings(stepper.initial))
+    if communication is not None:
+        if not communication > 0.0 or not np.isfinite(communication):
+            raise ExportError(f"communication: expected a time above 0 s, got {communication:g}")
+        n = max(1, int(np.ceil(communication / stepper.lowered.h - STEP_ROUNDING)))
+        step = communication / n
+        if step != stepper.lowered.h:
+            notes.append(
+                f"the internal step is {step:.6g} s, 1/{n} of the communication step, not the "
+                f"{stepper.lowered.h:.6g} s of the model"
+            )
+            model = model.with_settings(step=step)
+            stepper = Stepper(model, ())
+    kernels = stepper.lowered.system.elastic.kernels
+    if kernels.by_fft.any():
+        notes.append('past loads are summed directly (history = "direct"), not by FFT')
+        stepper = Stepper(model.with_settings(history="direct"), ())
+    if (stepper.lowered.system.couplings.laws.number == UserLaw.number).any():
+        raise ExportError(
+            "laws: a UserLaw is a function of Python, which an FMU cannot call: expected a law of "
+            "Duhamel, as a table"
+        )
+    return stepper, tuple(notes)
+
+
+def _libraries(
+    platforms: Sequence[str], cpu: str, identifier: str, image: bytes
+) -> dict[str, bytes]:
+    """The libraries of platforms, by their names."""
+    targets = {one: _target(one, cpu) for one in platforms}
+    codes = object_files(list(targets.values()))
+    level = 3 if cpu == "x86-64-v3" else 0
+    return {one: linked(one, identifier, codes[targets[one]], image, level) for one in targets}
+
+
+def _target(platform: str, cpu: str) -> str:
+    """The name of the target that the time step is compiled for."""
+    if cpu == "native":
+        return cpu
+    return f"{platform}-v2" if cpu == "x86-64-v2" and platform.startswith("x86_64") else platform
