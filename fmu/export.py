@@ -18,7 +18,7 @@ from .archive import archive
 from .description import Experiment, description, terminals
 from .errors import ExportError
 from .image import image_of, token_of
-from .library import PLATFORMS, linked, own_platform
+from .library import PLATFORMS, Parts, StepTimes, linked, own_platform, step_times
 from .naming import identifier
 from .variables import Kind, Variable, variables
 
@@ -32,21 +32,28 @@ STEP_ROUNDING = 1e-9
 class Export:
     """What was written.
 
-    step, communication: the internal step and that of importers by default [s]; sizes: of the
-    libraries by their platforms [bytes]; notes: what importers or users should know.
+    experiment: the names and steps that importers are told; sizes: of the libraries by their
+    platforms [bytes]; notes: what importers or users should know; parts: of the libraries.
     """
 
     path: Path
     version: int
-    step: float
-    communication: float
+    experiment: Experiment
     variables: tuple[Variable, ...]
     sizes: dict[str, int]
     notes: tuple[str, ...]
+    parts: tuple[Parts, ...]
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
         return tuple(one for one in self.variables if one.kind is Kind.INPUT)
+
+    def times(self, n: int = 2000) -> StepTimes | None:
+        """How long n steps take on this machine; None where it is none of the platforms."""
+        for parts in self.parts:
+            if parts.name == own_platform():
+                return step_times(parts, self.experiment.token, n)
+        return None
 
 
 def export(
@@ -116,8 +123,8 @@ def export(
         communication=communication or h,
         stop=stepper.lowered.n_steps * h,
     )
-    names = tuple(platforms) or (own_platform(),)
-    libraries = _libraries(names, cpu, experiment.identifier, image)
+    parts = _parts(tuple(platforms) or (own_platform(),), cpu, experiment, image)
+    libraries = {one.name: linked(one) for one in parts}
     contents = {"modelDescription.xml": description(version, experiment, chosen)}
     if version == 3:
         contents["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(chosen)
@@ -129,7 +136,7 @@ def export(
     with renamed_when_whole(target, failure=ExportError) as temporary:
         temporary.write_bytes(archive(contents))
     sizes = {one: len(library) for one, library in libraries.items()}
-    return Export(target, version, h, experiment.communication, chosen, sizes, notes)
+    return Export(target, version, experiment, chosen, sizes, notes, parts)
 
 
 def _check_options(platforms: Sequence[str], version: int, cpu: str) -> None:
@@ -176,14 +183,16 @@ def _stepper(model: Model, communication: float | None) -> tuple[Stepper, tuple[
     return stepper, tuple(notes)
 
 
-def _libraries(
-    platforms: Sequence[str], cpu: str, identifier: str, image: bytes
-) -> dict[str, bytes]:
-    """The libraries of platforms, by their names."""
-    targets = {one: _target(one, cpu) for one in platforms}
-    codes = object_files(list(targets.values()))
-    level = 3 if cpu == "x86-64-v3" else 0
-    return {one: linked(one, identifier, codes[targets[one]], image, level) for one in targets}
+def _parts(
+    platforms: Sequence[str], cpu: str, experiment: Experiment, image: bytes
+) -> tuple[Parts, ...]:
+    """What is linked, for each platform."""
+    targets = [_target(one, cpu) for one in platforms]
+    codes, level = object_files(targets), 3 if cpu == "x86-64-v3" else 0
+    return tuple(
+        Parts(one, experiment.identifier, codes[target], image, level)
+        for one, target in zip(platforms, targets, strict=True)
+    )
 
 
 def _target(platform: str, cpu: str) -> str:

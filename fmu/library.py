@@ -3,6 +3,8 @@
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +13,7 @@ from tempfile import TemporaryDirectory
 from .errors import ExportError
 
 SOURCES = Path(__file__).with_name("c")
+TIMING_PROGRAM = "timing.exe"
 
 
 @dataclass(frozen=True)
@@ -49,14 +52,61 @@ def own_platform() -> str:
     return f"{machine}-{platform.system().lower()}"
 
 
-def linked(name: str, identifier: str, code: bytes, image: bytes, level: int) -> bytes:
-    """The library of a platform, by its name in FMI 3.
+@dataclass(frozen=True)
+class Parts:
+    """What is linked for a platform.
 
-    identifier: the name of the file without its suffix; code: the object file of the time step;
-    level: of x86-64 that it needs, 0 if it is not checked.
+    name: of the platform in FMI 3; identifier: of the file, without its suffix; code: the object
+    file of the time step; level: of x86-64 that it needs, 0 if it is not checked.
+    """
+
+    name: str
+    identifier: str
+    code: bytes
+    image: bytes
+    level: int = 0
+
+
+def linked(parts: Parts) -> bytes:
+    """The library of a platform.
+
     `ExportError` where there is no compiler for the platform, or where it fails.
     """
-    platform = PLATFORMS[name]
+    platform = PLATFORMS[parts.name]
+    file = f"{parts.identifier}{platform.suffix}"
+    with _laid_out(parts) as folder:
+        options = ["-shared", "-fPIC", "-s", "-fvisibility=hidden", "fmi2.c", "fmi3.c"]
+        if platform.suffix == ".dylib":
+            # Without it the temporary path would be the name of the library.
+            options.append(f"-Wl,-install_name,@rpath/{file}")
+        return _compiled(parts.name, folder, file, options)
+
+
+@dataclass(frozen=True)
+class StepTimes:
+    """Of so many steps, in wall time [s]: their median, the time of 99.9 % of them, the longest."""
+
+    n: int
+    median: float
+    most: float
+    longest: float
+
+
+def step_times(parts: Parts, token: str, n: int) -> StepTimes:
+    """The times of steps from the start on, with inputs as they start, on this machine."""
+    with _laid_out(parts) as folder:
+        _compiled(parts.name, folder, TIMING_PROGRAM, ["timing.c"])
+        command = [str(folder / TIMING_PROGRAM), token, str(n)]
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    if done.returncode:
+        raise ExportError(f"steps cannot be taken: {done.stderr.strip() or done.returncode}")
+    times = sorted(1e-9 * int(line) for line in done.stdout.split())
+    return StepTimes(n, times[n // 2], times[int(0.999 * n) - 1], times[-1])
+
+
+@contextmanager
+def _laid_out(parts: Parts) -> Iterator[Path]:
+    """A folder with all that is linked, for the time of a block."""
     with TemporaryDirectory(prefix="duhamel-") as place:
         folder = Path(place)
         # Relative paths alone: no folder of this machine is to be found in the library.
@@ -64,25 +114,26 @@ def linked(name: str, identifier: str, code: bytes, image: bytes, level: int) ->
             target = folder / source.relative_to(SOURCES)
             target.parent.mkdir(exist_ok=True)
             shutil.copyfile(source, target)
-        (folder / "step.o").write_bytes(code)
-        (folder / "image.bin").write_bytes(image)
-        (folder / "image.c").write_text(_image_source(platform, level), encoding="utf-8")
-        library = folder / f"{identifier}{platform.suffix}"
-        command = [
-            *compiler_of(name),
-            *("-shared", "-std=c11", "-O2", "-fPIC", "-s", "-fvisibility=hidden", "-I."),
-            *("core.c", "fmi2.c", "fmi3.c", "processor.c", "image.c", "step.o", "-o", library.name),
-        ]
-        if platform.suffix == ".dylib":
-            # Without it the temporary path would be the name of the library.
-            command.append(f"-Wl,-install_name,@rpath/{library.name}")
-        if platform.suffix != ".dll":
-            command.append("-lm")
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
-        if done.returncode or not library.exists():
-            told = done.stderr.strip().splitlines() or [f"it ended with {done.returncode}"]
-            raise ExportError(f"platform {name}: {command[0]} cannot link: {told[0]}")
-        return library.read_bytes()
+        (folder / "step.o").write_bytes(parts.code)
+        (folder / "image.bin").write_bytes(parts.image)
+        source = _image_source(PLATFORMS[parts.name], parts.level)
+        (folder / "image.c").write_text(source, encoding="utf-8")
+        yield folder
+
+
+def _compiled(name: str, folder: Path, file: str, options: Sequence[str]) -> bytes:
+    """What the compiler of a platform makes of all parts, as a file of this name."""
+    command = [
+        *compiler_of(name),
+        *("-std=c11", "-O2", "-I.", "core.c", "processor.c", "image.c", "step.o"),
+        *(*options, "-o", file),
+        *(() if PLATFORMS[name].suffix == ".dll" else ("-lm",)),
+    ]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
+    if done.returncode or not (folder / file).exists():
+        told = done.stderr.strip().splitlines() or [f"it ended with {done.returncode}"]
+        raise ExportError(f"platform {name}: the C compiler cannot link: {told[0]}")
+    return (folder / file).read_bytes()
 
 
 def compiler_of(name: str) -> list[str]:
