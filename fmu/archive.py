@@ -12,8 +12,10 @@ def archive(contents: Mapping[str, bytes]) -> bytes:
     memory = io.BytesIO()
     with zipfile.ZipFile(memory, "w") as target:
         for name, content in contents.items():
+            # The time of the export would make each file another one.
             info = zipfile.ZipInfo(name, TIME_OF_FILES)
             info.compress_type = zipfile.ZIP_DEFLATED
+            # Without it, unpacked files have no permissions.
             info.external_attr = 0o644 << 16
             target.writestr(info, content)
     return memory.getvalue()

@@ -6,17 +6,17 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from .naming import base_units
-from .variables import Kind, Variable
+from .variables import Variable, VariableKind
 
-CAUSALITIES = {
-    Kind.TIME: "independent",
-    Kind.INPUT: "input",
-    Kind.PARAMETER: "parameter",
-    Kind.REAL: "output",
-    Kind.INTEGER: "output",
+CAUSALITY_OF_KIND = {
+    VariableKind.TIME: "independent",
+    VariableKind.INPUT: "input",
+    VariableKind.PARAMETER: "parameter",
+    VariableKind.REAL: "output",
+    VariableKind.INTEGER: "output",
 }
 
-VARIABILITIES = {Kind.PARAMETER: "tunable", Kind.INTEGER: "discrete"}
+VARIABILITY_OF_KIND = {VariableKind.PARAMETER: "tunable", VariableKind.INTEGER: "discrete"}
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ def terminals(variables: Sequence[Variable]) -> bytes:
 
 def _text(root: Element) -> bytes:
     ElementTree.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, "utf-8") + b"\n"
+    text: str = ElementTree.tostring(root, "unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
 
 
 def _description_3(experiment: Experiment, variables: Sequence[Variable]) -> Element:
@@ -93,9 +94,10 @@ def _description_3(experiment: Experiment, variables: Sequence[Variable]) -> Ele
     _add_experiment(root, experiment)
     group = SubElement(root, "ModelVariables")
     for reference, one in enumerate(variables):
-        tag = "Int64" if one.kind is Kind.INTEGER else "Float64"
+        tag = "Int64" if one.kind is VariableKind.INTEGER else "Float64"
         element = SubElement(group, tag, _attributes(one, reference))
-        if one.kind not in (Kind.TIME, Kind.PARAMETER, Kind.INTEGER):
+        # Inputs may be set, and reals be read, after each internal step.
+        if one.kind not in (VariableKind.TIME, VariableKind.PARAMETER, VariableKind.INTEGER):
             element.set("intermediateUpdate", "true")
         if _has_unit(one):
             element.set("unit", one.unit)
@@ -131,12 +133,13 @@ def _description_2(experiment: Experiment, variables: Sequence[Variable]) -> Ele
     _add_categories(root)
     _add_experiment(root, experiment)
     group = SubElement(root, "ModelVariables")
+    # FMI 2 counts variables from 1, FMI 3 names them by their value references.
     outputs = []
     for reference, one in enumerate(variables):
-        if one.kind is Kind.TIME:
+        if one.kind is VariableKind.TIME:
             continue  # importers of FMI 2 look for a start, which the time must not have
         element = SubElement(group, "ScalarVariable", _attributes(one, reference))
-        number = SubElement(element, "Integer" if one.kind is Kind.INTEGER else "Real")
+        number = SubElement(element, "Integer" if one.kind is VariableKind.INTEGER else "Real")
         if _has_unit(one):
             number.set("unit", one.unit)
         if one.start is not None:
@@ -157,19 +160,19 @@ def _attributes(one: Variable, reference: int) -> dict[str, str]:
     found = {
         "name": one.name,
         "valueReference": str(reference),
-        "causality": CAUSALITIES[one.kind],
-        "variability": VARIABILITIES.get(one.kind, "continuous"),
+        "causality": CAUSALITY_OF_KIND[one.kind],
+        "variability": VARIABILITY_OF_KIND.get(one.kind, "continuous"),
         "description": one.description,
     }
     if one.is_output:
         found["initial"] = "calculated"
-    elif one.kind is Kind.PARAMETER:
+    elif one.kind is VariableKind.PARAMETER:
         found["initial"] = "exact"
     return found
 
 
 def _has_unit(one: Variable) -> bool:
-    return one.unit not in ("", "1") and one.kind is not Kind.INTEGER
+    return one.unit not in ("", "1") and one.kind is not VariableKind.INTEGER
 
 
 def _add_units(root: Element, variables: Sequence[Variable]) -> None:

@@ -1,5 +1,5 @@
 """The error of exports."""
 
 
-class ExportError(ValueError):
+class FMUError(ValueError):
     """A model that cannot become an FMU, or a machine that cannot make one."""

@@ -11,7 +11,7 @@ platforms, so that one image serves them all.
 import hashlib
 import re
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,24 +20,23 @@ import numpy as np
 
 from ..results.validity import CRITERIA
 from ..solver.arrays import Array
-from ..solver.compiler.struct import Struct
+from ..solver.compiler.object_file import key
 from ..solver.history.dyadic import Window
 from ..solver.output.branches import Branches
 from ..solver.output.passages import MOST_CREATED
 from ..solver.signals.curves import Input
 from ..solver.simulation import signals
 from ..solver.stepper import Stepper
-from .variables import Kind, Variable
+from .segments import ARRAY_ALIGNMENT, CONSTANT_SEGMENT, LIVE_SEGMENT, Segments
+from .variables import Variable, VariableKind
 
-MAGIC, VERSION = b"DUHAMEL\0", 1
-CONSTANT_SEGMENT, LIVE_SEGMENT = 0, 1
-ALIGNMENT = 64
-Place = tuple[int, int]
-"""segment and offset"""
+IMAGE_MAGIC, IMAGE_VERSION = b"DUHAMEL\0", 1
+DIGEST_AT, PIECES_AT = 4, 8
+"""words of the header"""
 
 
 @cache
-def names_of(kind: str) -> tuple[str, ...]:
+def enumerated(kind: str) -> tuple[str, ...]:
     """The names of an enumeration in fmu/c/image.h, in lower case, but for the count at its end."""
     text = Path(__file__).with_name("c").joinpath("image.h").read_text(encoding="utf-8")
     found = re.search(rf"enum {kind} {{(.*?)}}", re.sub(r"/\*.*?\*/", "", text, flags=re.S), re.S)
@@ -45,124 +44,21 @@ def names_of(kind: str) -> tuple[str, ...]:
     return tuple(name.lower() for name in re.findall(r"\w+", found[1])[:-1])
 
 
-class _Segments:
-    """The arrays of records, copied one after the other, with the addresses that point to them."""
-
-    def __init__(self) -> None:
-        self.blocks = [bytearray(), bytearray()]
-        self.words: list[np.ndarray[Any, Any]] = []
-        self.relocations: list[tuple[int, int, int]] = []
-        self._n_words = 0
-        self._at: dict[tuple[int, int], tuple[int, Place]] = {}
-        """size and place of the arrays, by address and segment"""
-
-    def add(self, record: Struct, live: Sequence[str]) -> int:
-        """Add a record, whose fields of these names are live; the first of its words."""
-        first = self._n_words
-        words = record.words.copy()
-        for name, (at, _) in type(record).layout.items():
-            value = getattr(record, name)
-            segment = LIVE_SEGMENT if name in live else CONSTANT_SEGMENT
-            pointers = value.pointers(at) if isinstance(value, Struct) else [(at, value)]
-            for word, array in pointers:
-                if isinstance(array, np.ndarray):
-                    self.relocations.append((first + word, *self._put(array, segment)))
-                    # An address of this process has no meaning in the next.
-                    words[word] = 0
-        self.words.append(words)
-        self._n_words += len(words)
-        return first
-
-    def _put(self, array: np.ndarray[Any, Any], segment: int) -> Place:
-        address = array.__array_interface__["data"][0]
-        key = address, segment
-        if array.nbytes and key in self._at:
-            return self._at[key][1]
-        block = self.blocks[segment]
-        block += bytes(-len(block) % (ALIGNMENT if array.nbytes >= ALIGNMENT else 8))
-        place = segment, len(block)
-        block += array.tobytes()
-        if array.nbytes:
-            self._at[key] = array.nbytes, place
-        return place
-
-    def place(self, view: np.ndarray[Any, Any]) -> Place:
-        """Where a view into one of the arrays is."""
-        address = view.__array_interface__["data"][0]
-        for (start, _), (size, (segment, offset)) in self._at.items():
-            if start <= address < start + size:
-                return segment, offset + address - start
-        raise LookupError("no array of the model holds this view")
-
-    def offset(self, variable: Variable) -> int:
-        """The offset of an output or a parameter in its segment."""
-        assert variable.place is not None
-        return self.place(variable.place)[1]
-
-    def live(self, view: np.ndarray[Any, Any]) -> int:
-        """The offset of a view of a live array; 0 of one without numbers."""
-        return self.place(view)[1] if view.size else 0
-
-
 def image_of(stepper: Stepper, variables: Sequence[Variable]) -> bytes:
     """The image of a model before its first step is prepared, with its variables."""
-    segments = _Segments()
-    run, lowered, state, work = stepper.run, stepper.lowered, stepper.run.state, stepper.run.work
-    word_of_run = segments.add(run, ("state", "work", "output"))
-    assert word_of_run == 0
+    segments, removed = Segments(), stepper.initial.removed
     live = ("load", "drive", "motor", "row")
-    word_of_inputs = segments.add(stepper.inputs, live)
-    word_of_no_step = segments.add(stepper.first, live)
-    removed = stepper.initial.removed
-    whole = removed.lowered.system.couplings
-    word_of_removed = segments.add(whole.rows, ()) if removed.rows else 0
-    n_rows = len(lowered.system.couplings.compliant)
-    table, columns = _signals(stepper, segments)
-    texts = _Texts()
-    contacts = [
-        *(lowered.model.couplings[j].owner for j in lowered.system.couplings.contact),
-        *(f"contact {contact.name!r}" for contact in lowered.model.surface_contacts),
-    ]
-    words_of = {name: first for name, (first, _) in type(run).layout.items()}
-    couplings = type(run.system).layout["couplings"][0]
-    kernels = lowered.system.elastic.kernels
-    past = Window(lowered.system.elastic).span if kernels.lags.any() else 0
-    criterion = CRITERIA["surface_steps"]
-    has_end = bool(columns) or bool(kernels.lags.any())
-    numbers: dict[str, int | float] = {
-        "word_of_work": words_of["work"],
-        "word_of_couplings": words_of["system"] + couplings,
-        "word_of_inputs": word_of_inputs,
-        "word_of_no_step": word_of_no_step,
-        "word_of_removed_rows": word_of_removed,
-        "place_of_left": segments.live(state.extremes.left),
-        "place_of_passed": segments.live(state.contacts.passed),
-        "place_of_n_events": segments.live(state.contacts.n_events),
-        "place_of_row": segments.live(stepper.inputs.row),
-        "place_of_current": segments.live(work.matrix.current),
-        "place_of_phi": segments.live(work.couplings.phi),
-        "place_of_compliant": segments.live(lowered.system.couplings.compliant),
-        "place_of_shortest": segments.live(state.extremes.shortest),
-        "place_of_switching": segments.live(state.energies.switching),
-        "place_of_moved": segments.live(state.extremes.moved),
-        "place_of_first": segments.live(state.past.first),
-        "place_of_p": segments.live(state.past.p),
-        "place_of_u_ahead": segments.live(state.past.u_ahead),
-        "n_inputs": len(stepper.input_names),
-        "n_rows": n_rows,
-        "n_coupled_contacts": len(lowered.system.couplings.contact),
-        "n_contacts": len(contacts),
-        "n_steps": lowered.n_steps if has_end else 0,
-        "n_past": state.past.p.shape[1],
-        "n_dofs": state.past.p.shape[0],
-        "span": past,
-        "step": float(lowered.h),
-        "tolerance": float(lowered.model.settings.tolerance),
-        "end": float(lowered.n_steps * lowered.h),
-        "most_created": MOST_CREATED,
-        "few_steps": float(criterion.limit),
-        "good_steps": float(criterion.good),
+    words = {
+        "run": segments.add(stepper.run, ("state", "work", "output")),
+        "inputs": segments.add(stepper.inputs, live),
+        "no_step": segments.add(stepper.first, live),
+        # Rows that were left out are those of the model with all its constraints.
+        "removed_rows": segments.add(removed.lowered.system.couplings.rows, ()),
     }
+    # Before the pieces: it writes what never changes into the live arrays.
+    table, columns = _signals(stepper, segments)
+    numbers = _words(stepper, words) | _places(stepper, segments) | _sizes(stepper)
+    numbers |= _limits(stepper, has_signals=bool(columns))
     pieces: dict[str, Any] = {
         "piece_words": np.concatenate(segments.words),
         "piece_relocations": _index(segments.relocations),
@@ -170,9 +66,9 @@ def image_of(stepper: Stepper, variables: Sequence[Variable]) -> bytes:
         "piece_live": segments.blocks[LIVE_SEGMENT],
         "piece_signals": table,
         "piece_signal_places": _index(columns),
-        "piece_variables": _index(_places(variables, segments)),
+        "piece_variables": _index(_variables(variables, segments)),
         "piece_parameters": _index(
-            [segments.offset(one) for one in variables if one.kind is Kind.PARAMETER]
+            [segments.offset(one) for one in variables if one.kind is VariableKind.PARAMETER]
         ),
         "piece_inputs": _index(
             [
@@ -181,40 +77,108 @@ def image_of(stepper: Stepper, variables: Sequence[Variable]) -> bytes:
                 if isinstance(signal, Input)
             ]
         ),
-        "piece_branches": Branches(lowered).rows,
+        "piece_branches": Branches(stepper.lowered).rows,
         "piece_removed": _index(removed.rows),
         "piece_removed_limits": removed.limits,
-        "piece_frames": texts.add(lowered.frame_names),
-        "piece_rows": texts.add(map(lowered.owner_of, range(n_rows))),
-        "piece_contacts": texts.add(contacts),
-        "piece_removed_names": texts.add(map(removed.lowered.owner_of, removed.rows)),
     }
-    pieces["piece_texts"] = texts.text
-    return _joined(pieces, numbers)
+    return _joined(pieces | _texts(stepper), numbers)
 
 
-class _Texts:
-    """Texts one after the other, each ended by a zero."""
+def _words(stepper: Stepper, words: dict[str, int]) -> dict[str, float]:
+    """Where the records that compiled functions take begin."""
+    of_run = {name: words["run"] + first for name, (first, _) in type(stepper.run).layout.items()}
+    couplings, _ = type(stepper.run.system).layout["couplings"]
+    return {
+        "word_of_work": of_run["work"],
+        "word_of_couplings": of_run["system"] + couplings,
+        "word_of_inputs": words["inputs"],
+        "word_of_no_step": words["no_step"],
+        "word_of_removed_rows": words["removed_rows"],
+    }
 
-    def __init__(self) -> None:
-        self.text = bytearray()
 
-    def add(self, names: Iterable[str]) -> np.ndarray[Any, Any]:
-        """Add texts; where each begins."""
-        places = []
-        for name in names:
-            places.append(len(self.text))
-            self.text += name.encode() + b"\0"
-        return _index(places)
+def _places(stepper: Stepper, segments: Segments) -> dict[str, float]:
+    """Where the arrays are that the C code reads and sets itself."""
+    state, work = stepper.run.state, stepper.run.work
+    arrays = {
+        "left": state.extremes.left,
+        "passed": state.contacts.passed,
+        "n_events": state.contacts.n_events,
+        "row": stepper.inputs.row,
+        "current": work.matrix.current,
+        "phi": work.couplings.phi,
+        "compliant": stepper.lowered.system.couplings.compliant,
+        "shortest": state.extremes.shortest,
+        "switching": state.energies.switching,
+        "moved": state.extremes.moved,
+        "first": state.past.first,
+        "p": state.past.p,
+        "u_ahead": state.past.u_ahead,
+    }
+    return {f"place_of_{name}": segments.live(array) for name, array in arrays.items()}
+
+
+def _sizes(stepper: Stepper) -> dict[str, float]:
+    couplings, past = stepper.lowered.system.couplings, stepper.run.state.past
+    return {
+        "n_inputs": len(stepper.input_names),
+        "n_rows": len(couplings.compliant),
+        "n_coupled_contacts": len(couplings.contact),
+        "n_contacts": len(couplings.contact) + len(stepper.lowered.model.surface_contacts),
+        "n_dofs": past.p.shape[0],
+        "n_past": past.p.shape[1],
+    }
+
+
+def _limits(stepper: Stepper, has_signals: bool) -> dict[str, float]:
+    """Steps and tolerances; n_steps is 0 where nothing ends with the model."""
+    lowered = stepper.lowered
+    has_kernels = bool(lowered.system.elastic.kernels.lags.any())
+    steps = CRITERIA["surface_steps"]
+    return {
+        # Kernels were cut at the end of the model.
+        "n_steps": lowered.n_steps if has_signals or has_kernels else 0,
+        "span": Window(lowered.system.elastic).span if has_kernels else 0,
+        "step": float(lowered.h),
+        "tolerance": float(lowered.model.settings.tolerance),
+        "end": float(lowered.n_steps * lowered.h),
+        "most_created": float(MOST_CREATED),
+        "few_steps": float(steps.limit),
+        "good_steps": float(steps.good),
+    }
+
+
+def _texts(stepper: Stepper) -> dict[str, Any]:
+    """The names that messages use, each ended by a zero, and where those of each kind begin."""
+    lowered, removed = stepper.lowered, stepper.initial.removed
+    couplings = lowered.system.couplings
+    names: dict[str, list[str]] = {
+        "piece_frames": lowered.frame_names,
+        "piece_rows": [lowered.owner_of(i) for i in range(len(couplings.compliant))],
+        "piece_contacts": [
+            *(lowered.model.couplings[j].owner for j in couplings.contact),
+            # They are no couplings, and follow these in the state.
+            *(f"contact {contact.name!r}" for contact in lowered.model.surface_contacts),
+        ],
+        "piece_removed_names": [removed.lowered.owner_of(i) for i in removed.rows],
+    }
+    text, pieces = bytearray(), dict[str, Any]()
+    for piece, entries in names.items():
+        starts = []
+        for name in entries:
+            starts.append(len(text))
+            text += name.encode() + b"\0"
+        pieces[piece] = _index(starts)
+    return pieces | {"piece_texts": text}
 
 
 def _index(numbers: Any) -> np.ndarray[Any, Any]:
     return np.array(numbers, dtype=np.int64)
 
 
-def _places(variables: Sequence[Variable], segments: _Segments) -> list[tuple[int, int]]:
-    """Kind and place of each variable: its offset, or its number among inputs or parameters."""
-    places, counts = [], dict.fromkeys(Kind, 0)
+def _variables(variables: Sequence[Variable], segments: Segments) -> list[tuple[int, int]]:
+    """Kind and place of each variable: an offset, or a number among inputs or parameters."""
+    places, counts = [], dict.fromkeys(VariableKind, 0)
     for one in variables:
         at = segments.offset(one) if one.is_output else counts[one.kind]
         places.append((int(one.kind), at))
@@ -222,7 +186,7 @@ def _places(variables: Sequence[Variable], segments: _Segments) -> list[tuple[in
     return places
 
 
-def _signals(stepper: Stepper, segments: _Segments) -> tuple[Array, list[int]]:
+def _signals(stepper: Stepper, segments: Segments) -> tuple[Array, list[int]]:
     """Signals that are no inputs: their values at all steps (n, k), and where each of k goes.
 
     Those that never change are put into the image at once, and have no column.
@@ -233,6 +197,7 @@ def _signals(stepper: Stepper, segments: _Segments) -> tuple[Array, list[int]]:
     columns, places = list[Array](), list[int]()
     for (place, signal), column in zip(stepper.signals, values.T, strict=True):
         at = segments.live(place)
+        # Of an input the start, from which its first step goes on.
         value = signal.value if isinstance(signal, Input) else column[0]
         struct.pack_into("<d", segments.blocks[LIVE_SEGMENT], at, value)
         if not isinstance(signal, Input) and (column != column[0]).any():
@@ -241,26 +206,31 @@ def _signals(stepper: Stepper, segments: _Segments) -> tuple[Array, list[int]]:
     return np.array(columns).reshape(len(columns), lowered.n_steps).T.copy(), places
 
 
-def _joined(pieces: dict[str, Any], numbers: dict[str, int | float]) -> bytes:
+def _joined(pieces: dict[str, Any], numbers: dict[str, float]) -> bytes:
     """The image, with its digest in the header."""
-    assert tuple(pieces) == names_of("Piece")
-    assert tuple(numbers) == names_of("Number")
-    header = np.zeros(8 + 2 * len(pieces) + len(numbers), dtype=np.int64)
-    body, start = bytearray(), -(-header.nbytes // ALIGNMENT) * ALIGNMENT
+    # As the C code counts them.
+    assert tuple(pieces) == enumerated("Piece")
+    assert tuple(numbers) == enumerated("Number")
+    header = np.zeros(PIECES_AT + 2 * len(pieces) + len(numbers), dtype=np.int64)
+    body, start = bytearray(), -(-header.nbytes // ARRAY_ALIGNMENT) * ARRAY_ALIGNMENT
     for k, piece in enumerate(pieces.values()):
         content = bytes(piece) if isinstance(piece, bytearray) else piece.tobytes()
-        body += bytes(-len(body) % ALIGNMENT)
-        header[8 + 2 * k : 10 + 2 * k] = start + len(body), len(content)
+        body += bytes(-len(body) % ARRAY_ALIGNMENT)
+        at = PIECES_AT + 2 * k
+        header[at : at + 2] = start + len(body), len(content)
         body += content
     for k, number in enumerate(numbers.values()):
+        # Doubles by their bits: a header has words of one kind.
         bits = np.float64(number).view(np.int64) if isinstance(number, float) else number
-        header[8 + 2 * len(pieces) + k] = bits
-    header[:3] = np.frombuffer(MAGIC, np.int64)[0], VERSION, start + len(body)
+        header[PIECES_AT + 2 * len(pieces) + k] = bits
+    header[:3] = np.frombuffer(IMAGE_MAGIC, np.int64)[0], IMAGE_VERSION, start + len(body)
     image = header.tobytes().ljust(start, b"\0") + bytes(body)
-    header[4:8] = np.frombuffer(hashlib.sha256(image).digest(), dtype=np.int64)
+    # Of the code too: a state of another version of Duhamel would be refused by nothing else.
+    digest = hashlib.sha256(image + key("x86_64-linux").encode()).digest()
+    header[DIGEST_AT : DIGEST_AT + 4] = np.frombuffer(digest, dtype=np.int64)
     return header.tobytes() + image[header.nbytes :]
 
 
 def token_of(image: bytes) -> str:
     """The digest of an image, by which importers name the export."""
-    return image[32:64].hex()
+    return image[8 * DIGEST_AT : 8 * DIGEST_AT + 32].hex()

@@ -10,9 +10,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from .errors import ExportError
+from .errors import FMUError
 
-SOURCES = Path(__file__).with_name("c")
+C_SOURCES = Path(__file__).with_name("c")
 TIMING_PROGRAM = "timing.exe"
 
 
@@ -21,7 +21,8 @@ class Platform:
     """A platform of FMI.
 
     zig: its target in zig's clang; name_2: its folder in FMI 2, "" if that has none; section: where
-    the image stands, in the assembler's words; symbol: the image's name there.
+    the image stands, in the assembler's words; symbol: the image's name there; hides: what keeps
+    that name from other libraries of the process, "" where names are not shared.
     """
 
     zig: str
@@ -29,14 +30,22 @@ class Platform:
     name_2: str
     section: str = ".section .rodata"
     symbol: str = "duhamel_image"
+    hides: str = ".hidden"
 
 
-PLATFORMS = {
+FMI_PLATFORMS = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ".so", "linux64"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ".so", ""),
-    "x86_64-windows": Platform("x86_64-windows-gnu", ".dll", "win64", '.section .rdata,\\"dr\\"'),
+    "x86_64-windows": Platform(
+        "x86_64-windows-gnu", ".dll", "win64", '.section .rdata,\\"dr\\"', hides=""
+    ),
     "aarch64-darwin": Platform(
-        "aarch64-macos.11.0", ".dylib", "", ".section __TEXT,__const", "_duhamel_image"
+        "aarch64-macos.11.0",
+        ".dylib",
+        "",
+        ".section __TEXT,__const",
+        "_duhamel_image",
+        ".private_extern",
     ),
 }
 """by their names in FMI 3"""
@@ -70,11 +79,12 @@ class Parts:
 def linked(parts: Parts) -> bytes:
     """The library of a platform.
 
-    `ExportError` where there is no compiler for the platform, or where it fails.
+    `FMUError` where there is no compiler for the platform, or where it fails.
     """
-    platform = PLATFORMS[parts.name]
+    platform = FMI_PLATFORMS[parts.name]
     file = f"{parts.identifier}{platform.suffix}"
     with _laid_out(parts) as folder:
+        # -s: without symbols there is nothing of this machine in it.
         options = ["-shared", "-fPIC", "-s", "-fvisibility=hidden", "fmi2.c", "fmi3.c"]
         if platform.suffix == ".dylib":
             # Without it the temporary path would be the name of the library.
@@ -99,7 +109,8 @@ def step_times(parts: Parts, token: str, n: int) -> StepTimes:
         command = [str(folder / TIMING_PROGRAM), token, str(n)]
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     if done.returncode:
-        raise ExportError(f"steps cannot be taken: {done.stderr.strip() or done.returncode}")
+        raise FMUError(f"steps cannot be taken: {done.stderr.strip() or done.returncode}")
+    # The median and the tail: a mean would hide what real time is about.
     times = sorted(1e-9 * int(line) for line in done.stdout.split())
     return StepTimes(n, times[n // 2], times[int(0.999 * n) - 1], times[-1])
 
@@ -110,14 +121,14 @@ def _laid_out(parts: Parts) -> Iterator[Path]:
     with TemporaryDirectory(prefix="duhamel-") as place:
         folder = Path(place)
         # Relative paths alone: no folder of this machine is to be found in the library.
-        for source in SOURCES.rglob("*.[ch]"):
-            target = folder / source.relative_to(SOURCES)
+        for source in C_SOURCES.rglob("*.[ch]"):
+            target = folder / source.relative_to(C_SOURCES)
             target.parent.mkdir(exist_ok=True)
             shutil.copyfile(source, target)
         (folder / "step.o").write_bytes(parts.code)
         (folder / "image.bin").write_bytes(parts.image)
-        source = _image_source(PLATFORMS[parts.name], parts.level)
-        (folder / "image.c").write_text(source, encoding="utf-8")
+        of_image = _image_source(FMI_PLATFORMS[parts.name], parts.level)
+        (folder / "image.c").write_text(of_image, encoding="utf-8")
         yield folder
 
 
@@ -127,26 +138,27 @@ def _compiled(name: str, folder: Path, file: str, options: Sequence[str]) -> byt
         *compiler_of(name),
         *("-std=c11", "-O2", "-I.", "core.c", "processor.c", "image.c", "step.o"),
         *(*options, "-o", file),
-        *(() if PLATFORMS[name].suffix == ".dll" else ("-lm",)),
+        *(() if FMI_PLATFORMS[name].suffix == ".dll" else ("-lm",)),
     ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
     if done.returncode or not (folder / file).exists():
         told = done.stderr.strip().splitlines() or [f"it ended with {done.returncode}"]
-        raise ExportError(f"platform {name}: the C compiler cannot link: {told[0]}")
+        raise FMUError(f"platform {name}: the C compiler cannot link: {told[0]}")
     return (folder / file).read_bytes()
 
 
 def compiler_of(name: str) -> list[str]:
     """The command of the C compiler for a platform."""
+    # The same compiler for all platforms gives the same file wherever it is made.
     if find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].zig, "-g0"]
+        return [sys.executable, "-m", "ziglang", "cc", "-target", FMI_PLATFORMS[name].zig, "-g0"]
     local = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if name == own_platform() and local:
         return [local]
     wanted = "pip install 'duhamel[fmu]'"
     if name == own_platform():
-        raise ExportError(f"platform {name}: expected a C compiler, found none: {wanted}")
-    raise ExportError(
+        raise FMUError(f"platform {name}: expected a C compiler, found none: {wanted}")
+    raise FMUError(
         f"platform {name}: expected ziglang, which compiles for other machines: {wanted}"
     )
 
@@ -155,6 +167,7 @@ def _image_source(platform: Platform, level: int) -> str:
     lines = (
         platform.section,
         f".globl {platform.symbol}",
+        f"{platform.hides} {platform.symbol}" if platform.hides else "",
         ".balign 64",
         f"{platform.symbol}:",
         '.incbin \\"image.bin\\"',

@@ -2,7 +2,7 @@
 
 import re
 
-IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+C_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # exponents of the SI base units
 BASE_UNITS = {
     "m": {"m": 1},
@@ -31,7 +31,7 @@ def structured(path: str) -> str:
 
 
 def _quoted(part: str) -> str:
-    if IDENTIFIER.fullmatch(part):
+    if C_IDENTIFIER.fullmatch(part):
         return part
     return "'" + part.replace("\\", "\\\\").replace("'", "\\'") + "'"
 
@@ -44,6 +44,7 @@ def identifier(name: str) -> str:
     >>> identifier("2-arm robot")
     '_2_arm_robot'
     """
+    # Letters beyond ASCII are none in C.
     found = re.sub(r"[^A-Za-z0-9_]", "_", name) or "model"
     return f"_{found}" if found[0].isdigit() else found
 
@@ -58,7 +59,10 @@ def base_units(unit: str) -> dict[str, int]:
     """
     total: dict[str, int] = {}
     for factor in unit.split():
-        symbol, power = re.fullmatch(r"([A-Za-z]+)(-?\d*)", factor).groups()  # type: ignore[union-attr]
+        # A pure number, as in "m m-1" reduced.
+        if factor == "1":
+            continue
+        symbol, power = re.findall(r"([A-Za-z]+)(-?\d*)", factor)[0]
         for base, exponent in BASE_UNITS[symbol].items():
             total[base] = total.get(base, 0) + exponent * int(power or 1)
     return {base: exponent for base, exponent in sorted(total.items()) if exponent}

@@ -1,6 +1,7 @@
 """Numbers of a model that may change between steps, and do not move its start."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 from ..solver.arrays import Array
@@ -42,7 +43,7 @@ def parameters(lowered: LoweredModel) -> dict[str, list[Parameter]]:
     return found
 
 
-Row = tuple[str, str, str, list[Array]]
+NamedNumbers = tuple[str, str, str, list[Array]]
 """name, unit, description, and where its numbers are"""
 
 
@@ -54,7 +55,7 @@ def _each(array: Array) -> list[Array]:
     return [array[i : i + 1] for i in range(len(array))]
 
 
-def _of_motors(lowered: LoweredModel) -> Iterator[Row]:
+def _of_motors(lowered: LoweredModel) -> Iterator[NamedNumbers]:
     motors, axis = lowered.system.couplings.laws.motors, axes_of(lowered)["motor"]
     for k, (name, angular) in enumerate(zip(axis.names, axis.angular, strict=True)):
         force, length = ("N m", "rad") if angular else ("N", "m")
@@ -68,7 +69,7 @@ def _of_motors(lowered: LoweredModel) -> Iterator[Row]:
             yield f"motors/{name}/{key}", unit, description, [array[k : k + 1]]
 
 
-def _of_springs(lowered: LoweredModel) -> Iterator[Row]:
+def _of_springs(lowered: LoweredModel) -> Iterator[NamedNumbers]:
     """The diagonals of linear springs: laws of single rows are none of them."""
     couplings, lengths = lowered.system.couplings, lowered.measures_lengths
     for j, coupling in enumerate(lowered.model.couplings):
@@ -87,7 +88,7 @@ def _of_springs(lowered: LoweredModel) -> Iterator[Row]:
             yield f"springs/{coupling.name}/{key}", unit, f"{key} of each component", diagonal
 
 
-def _of_friction(lowered: LoweredModel) -> Iterator[Row]:
+def _of_friction(lowered: LoweredModel) -> Iterator[NamedNumbers]:
     couplings = lowered.system.couplings
     friction = couplings.friction
     for j, coupling in enumerate(lowered.model.couplings):
@@ -97,3 +98,18 @@ def _of_friction(lowered: LoweredModel) -> Iterator[Row]:
         for key, array in (("static", friction.static), ("sliding", friction.sliding)):
             name = f"{group}/{coupling.name}/{key}_friction"
             yield name, "1", f"coefficient of {key} friction", [array[k : k + 1]]
+
+
+def kept_by_gains(lowered: LoweredModel, chosen: Sequence[str]) -> Iterator[str]:
+    """A line for each motor with a gain among the chosen parameters that another number follows.
+
+    The model derives its tracking time from its gains, which an export no longer does.
+    """
+    motors = lowered.system.couplings.laws.motors
+    for k, motor in enumerate(lowered.model.motors):
+        if motor.tracking_time is not None or motors.tracking[k] == 0.0:
+            continue
+        gains = [f"motors/{motor.name}/{key}" for key in ("stiffness", "damping", "integral")]
+        if any(fnmatchcase(gain, pattern) for gain in gains for pattern in chosen):
+            time = 1.0 / motors.tracking[k]
+            yield f"motors/{motor.name}: tracking_time stays {time:.6g} s when its gains change"

@@ -16,7 +16,7 @@ from ..solver.output.columns import available, axes_of, cells
 from ..solver.signals.curves import Input
 from ..solver.step.system import Output
 from ..solver.stepper import Stepper
-from .errors import ExportError
+from .errors import FMUError
 from .naming import structured
 from .parameters import parameters
 
@@ -26,8 +26,8 @@ TERMINAL_GROUPS = ("joints", "motors", "frames", "sensors")
 """groups whose owners are terminals"""
 
 
-class Kind(IntEnum):
-    """What the C code does for a variable (`Kind` in fmu/c/core.h)."""
+class VariableKind(IntEnum):
+    """What the C code does for a variable (`VariableKind` in fmu/c/core.h)."""
 
     TIME = 0
     INPUT = 1
@@ -45,7 +45,7 @@ class Variable:
     """
 
     name: str
-    kind: Kind
+    kind: VariableKind
     unit: str
     description: str
     place: Array | None = None
@@ -54,7 +54,7 @@ class Variable:
 
     @property
     def is_output(self) -> bool:
-        return self.kind in (Kind.REAL, Kind.INTEGER)
+        return self.kind in (VariableKind.REAL, VariableKind.INTEGER)
 
 
 def variables(
@@ -63,40 +63,46 @@ def variables(
     """The time, then inputs, parameters and outputs; their numbers are their value references.
 
     outputs, tunable: as "joints/pivot/angle" and "motors/servo/stiffness", where stars stand for
-    anything. `ExportError` for a name that nothing has.
+    anything. `FMUError` for a name that nothing has.
     """
     lowered = stepper.lowered
-    time = Variable("time", Kind.TIME, "s", "time")
+    time = Variable("time", VariableKind.TIME, "s", "time")
     inputs = [_input(stepper, name) for name in stepper.input_names]
     known = parameters(lowered)
-    chosen = [one for name in matching("parameter", tunable, list(known)) for one in known[name]]
+    chosen = [
+        one for name in chosen_names("parameter", tunable, list(known)) for one in known[name]
+    ]
     given = [
-        Variable(one.name, Kind.PARAMETER, one.unit, one.description, one.place, one.place.item())
+        Variable(
+            one.name, VariableKind.PARAMETER, one.unit, one.description, one.place, one.place.item()
+        )
         for one in chosen
     ]
-    names = requested(lowered, outputs)
+    names = output_names(lowered, outputs)
     found = (time, *inputs, *given, *_outputs(lowered, names, stepper.run.output))
     _check_names(found)
     return found
 
 
-def requested(lowered: LoweredModel, outputs: Sequence[str]) -> list[str]:
+def output_names(lowered: LoweredModel, outputs: Sequence[str]) -> list[str]:
     """The outputs that are asked for, by default those of `[output]` or of `UNASKED_GROUPS`."""
     known = list(available(lowered))
     if outputs:
-        return matching("output", outputs, known)
+        return chosen_names("output", outputs, known)
+    # Frames of flexible bodies may be many: they are outputs where they are asked for.
     quantities = lowered.model.settings.output.quantities or UNASKED_GROUPS
     chosen = {name for name in known for group in quantities if name.startswith(f"{group}/")}
     return [name for name in known if name in chosen]
 
 
-def matching(what: str, patterns: Sequence[str], known: Sequence[str]) -> list[str]:
-    """The known names that patterns stand for, each once; `ExportError` for one of none."""
+def chosen_names(what: str, patterns: Sequence[str], known: Sequence[str]) -> list[str]:
+    """The known names that patterns stand for, each once; `FMUError` for one of none."""
     found: dict[str, None] = {}
     for pattern in patterns:
+        # Names may have brackets, which patterns read otherwise: first as they are.
         names = [name for name in known if name == pattern or fnmatchcase(name, pattern)]
         if not names:
-            raise ExportError(f"{what}: no {pattern!r}{did_you_mean(pattern, known, n=3)}")
+            raise FMUError(f"{what}: no {pattern!r}{did_you_mean(pattern, known, n=3)}")
         found |= dict.fromkeys(names)
     return list(found)
 
@@ -110,7 +116,7 @@ def _outputs(lowered: LoweredModel, names: Sequence[str], output: Output) -> Ite
             states = f"; {cell.quantity.states}" if cell.quantity.states else ""
             yield Variable(
                 structured(name) + index,
-                Kind.INTEGER if cell.place.dtype == np.int64 else Kind.REAL,
+                VariableKind.INTEGER if cell.place.dtype == np.int64 else VariableKind.REAL,
                 cell.unit,
                 cell.quantity.description + states,
                 cell.place,
@@ -121,10 +127,11 @@ def _outputs(lowered: LoweredModel, names: Sequence[str], output: Output) -> Ite
 def _input(stepper: Stepper, name: str) -> Variable:
     """An input, with the unit of all that it is used for, "" where these differ."""
     given = [s for _, s in stepper.signals if isinstance(s, Input) and s.name == name]
+    # An input may drive a torque and a force at once: then it has no unit.
     units = set(units_of_input(stepper.lowered, name))
     return Variable(
         structured(f"inputs/{name}"),
-        Kind.INPUT,
+        VariableKind.INPUT,
         units.pop() if len(units) == 1 else "",
         "held over a communication step",
         start=given[0].value,
@@ -155,5 +162,5 @@ def _check_names(found: Sequence[Variable]) -> None:
     names: set[str] = set()
     for one in found:
         if one.name in names:
-            raise ExportError(f"variable {one.name}: expected one of this name, found two")
+            raise FMUError(f"variable {one.name}: expected one of this name, found two")
         names.add(one.name)

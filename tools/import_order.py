@@ -78,6 +78,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "naming",
         "parameters",
         "variables",
+        "segments",
         "image",
         "description",
         "library",

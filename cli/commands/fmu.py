@@ -9,10 +9,10 @@ from ..arguments import ModelFile, beside, output_option
 from ..failures import errors_in_one_line, one_line
 
 if TYPE_CHECKING:
-    from ...fmu import Export
+    from ...fmu import ExportedModel
 
 FMUOutput = Annotated[Path | None, output_option("MODEL.fmu")]
-Quantities = Annotated[
+OutputNames = Annotated[
     list[str] | None,
     typer.Option(
         "--quantity",
@@ -45,7 +45,7 @@ PlatformNames = Annotated[
         "a,b. That of this machine unless given.",
     ),
 ]
-Version = Annotated[int, typer.Option("--fmi", metavar="3|2", help="The version of FMI.")]
+FMIVersion = Annotated[int, typer.Option("--fmi", metavar="3|2", help="The version of FMI.")]
 Processor = Annotated[
     str, typer.Option("--cpu", metavar="NAME", help="x86-64-v3, x86-64-v2 or native.")
 ]
@@ -54,11 +54,11 @@ Processor = Annotated[
 def fmu(
     model_file: ModelFile,
     output: FMUOutput = None,
-    quantities: Quantities = None,
+    quantities: OutputNames = None,
     parameters: Parameters = None,
     communication: Communication = None,
     platforms: PlatformNames = None,
-    version: Version = 3,
+    version: FMIVersion = 3,
     processor: Processor = "x86-64-v3",
 ) -> None:
     """A model as an FMU that other tools step without Python: MODEL.fmu, unless given."""
@@ -66,7 +66,7 @@ def fmu(
 
     target = output or beside(model_file, ".fmu")
     with errors_in_one_line(files, solver, superelement, fmu, about=model_file):
-        made = fmu.export(
+        made = fmu.export_fmu(
             solver.read_model(model_file),
             target,
             outputs=quantities or (),
@@ -76,6 +76,7 @@ def fmu(
             version=version,
             cpu=processor,
         )
+        # After the file: where steps fail, it is there to be looked at.
         times = made.times()
     _tell(made)
     if times is not None:
@@ -87,9 +88,10 @@ def fmu(
         )
 
 
-def _tell(made: "Export") -> None:
+def _tell(made: "ExportedModel") -> None:
     for note in made.notes:
         typer.echo(one_line(f"note: {note}"), err=True)
+    # The time is a variable too, of which nothing is told.
     outputs = sum(one.is_output for one in made.variables)
     parameters = len(made.variables) - outputs - len(made.inputs) - 1
     typer.echo(

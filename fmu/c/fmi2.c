@@ -14,10 +14,18 @@ typedef struct {
 
 #define EXPORT FMI2_Export
 
+/* The message is the format: some importers show that alone. */
 static void tell(const fmi2CallbackFunctions *callbacks, const char *name, const char *message) {
+    char format[2 * MESSAGE_SIZE];
+    size_t n = 0;
+    for (; *message; message++) {
+        if (*message == '%') format[n++] = '%';
+        format[n++] = *message;
+    }
+    format[n] = 0;
     if (callbacks && callbacks->logger)
-        callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "%s",
-                          message);
+        callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError",
+                          format);
 }
 
 /* The status of what `core` returned, with its message in the log. */

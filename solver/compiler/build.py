@@ -43,7 +43,7 @@ from .foreign import call_by_address
 from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS, OBJECT_MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
-from .targets import TARGETS, Target
+from .targets import COMPILED_TARGETS, CodeTarget
 
 NUMBA_OPTIONS = {
     "nopython": True,
@@ -93,11 +93,11 @@ def main() -> None:
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        for code in build([TARGETS[name] for name in sys.argv[1:]]):
+        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]]):
             output.write(OBJECT_MARK + code)
 
 
-def build(targets: Iterable[Target]) -> list[bytes]:
+def build(targets: Iterable[CodeTarget]) -> list[bytes]:
     """An object file of all entries for each target; any exception where numba is not as expected.
 
     Functions are typed once for all targets, which takes two thirds of the time.
@@ -181,7 +181,7 @@ def _linked(module: Any, libraries: list[Any]) -> Any:
     return final
 
 
-def _emitted(module: Any, target: Target) -> bytes:
+def _emitted(module: Any, target: CodeTarget) -> bytes:
     """A module, optimized for a target: its vectors have other lengths on another processor."""
     machine = _machine(target)
     if not target.is_loaded:
@@ -224,7 +224,7 @@ def _with_linked(libraries: list[Any]) -> list[Any]:
     return list(found.values())
 
 
-def _machine(target: Target) -> Any:
+def _machine(target: CodeTarget) -> Any:
     """What emits code for a target."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()

@@ -28,7 +28,7 @@ import numpy as np
 
 from . import marks
 from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
-from .targets import HOST, TARGETS
+from .targets import COMPILED_TARGETS, HOST_TARGET
 
 COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
 """the files of this folder that machine code depends on"""
@@ -96,7 +96,7 @@ class BuildError(Exception):
 
 
 @cache
-def key(target: str = HOST) -> str:
+def key(target: str = HOST_TARGET) -> str:
     """A digest of all that the machine code for a target depends on (16 hexadecimal digits)."""
     kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
@@ -116,7 +116,7 @@ def _machine(target: str) -> tuple[str, str]:
     """The system and the processor of a target."""
     import llvmlite.binding as llvm
 
-    chosen = TARGETS[target]
+    chosen = COMPILED_TARGETS[target]
     triple = chosen.triple or llvm.get_process_triple()
     return f"{triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu or processor()
 
@@ -144,7 +144,7 @@ def _constants() -> Iterator[tuple[str, Any]]:
 # The cache
 
 
-def _name(target: str = HOST) -> str:
+def _name(target: str = HOST_TARGET) -> str:
     return f"step-{key(target)}.o"
 
 
@@ -159,7 +159,7 @@ def object_files(targets: Sequence[str]) -> dict[str, bytes]:
     return found | (_new_codes(missing) if missing else {})
 
 
-def _cached_code(target: str = HOST) -> bytes | None:
+def _cached_code(target: str = HOST_TARGET) -> bytes | None:
     """The object file in the cache; None if there is none, or not a whole one, or not our own."""
     try:
         with opened_cache() as folder:
@@ -175,7 +175,7 @@ def _cached_code(target: str = HOST) -> bytes | None:
 
 def _new_code() -> bytes:
     """The object file for this machine made now; `BuildError` where `build` fails."""
-    return _new_codes([HOST])[HOST]
+    return _new_codes([HOST_TARGET])[HOST_TARGET]
 
 
 def _new_codes(targets: Sequence[str]) -> dict[str, bytes]:
@@ -232,11 +232,8 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
     The process leaves nothing behind, neither of numba's 200 MB nor of a failure. Where Python is
     embedded in another program there is none to be started, and they are made in this one.
     """
-    others = [target for target in targets if target != HOST]
-    what = f"the time step for {', '.join(others)}" if others else "the time step"
-    _announce(
-        f"compiling {what}, about {12 + 5 * len(targets)} seconds; later runs find it compiled"
-    )
+    seconds = 8 + 7 * len(targets)
+    _announce(f"compiling the time step, about {seconds} seconds; later runs find it compiled")
     if not sys.executable or hasattr(sys, "frozen"):
         return _built_here(targets)
     try:
@@ -263,7 +260,7 @@ def _built_here(targets: Sequence[str]) -> list[bytes]:
     try:
         from .build import build
 
-        return build([TARGETS[target] for target in targets])
+        return build([COMPILED_TARGETS[target] for target in targets])
     except Exception as error:
         raise BuildError(f"{type(error).__name__}: {error}") from error
 

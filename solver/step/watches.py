@@ -33,7 +33,7 @@ def wrong_branch(couplings: Couplings, rows: Index, work: Workspace) -> int:
         # The squares of the quaternion by the rotation matrix. At 180 degrees both vanish.
         q_0, q_3 = 0.25 * (1.0 + turn + bend), 0.25 * (1.0 + bend - turn)
         if q_3 > max(q_0, MIN_BRANCH_MEASURE):
-            return i + 1
+            return int(i + 1)
     return 0
 
 

@@ -14,7 +14,7 @@ def exported(tmp_path_factory):
 
     def make(model, **options):
         path = tmp_path_factory.mktemp("fmu") / "machine.fmu"
-        return fmu.export(model, path, **({"cpu": "native"} | options))
+        return fmu.export_fmu(model, path, **({"cpu": "native"} | options))
 
     return make
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 
 
 class Slave:
-    """An instance of an export, which is ready to be stepped."""
+    """An instance of an export, which is ready to be stepped unless `begin` is False."""
 
-    def __init__(self, path, start=0.0, begin=True, token=None, **options):
+    def __init__(self, path, start=0.0, stop=None, begin=True, token=None, **options):
         self.description = read_model_description(str(path))
         self.folder = extract(str(path))
         self.version = int(self.description.fmiVersion[0])
@@ -21,21 +21,32 @@ class Slave:
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="one",
         )
+        self.open = False
+        try:
+            self.fmu.instantiate(**self._logging(), **options)
+        except Exception as error:
+            raise RuntimeError(f"cannot instantiate: {self.log}") from error
         self.open = True
-        self.fmu.instantiate(**self._callbacks(), **options)
         self.numbers = {v.name: v.valueReference for v in self.description.modelVariables}
         self.outputs = [v for v in self.description.modelVariables if v.causality == "output"]
         if begin:
-            self.begin(start)
+            self.begin(start, stop)
 
-    def _callbacks(self):
+    def _logging(self):
         if self.version == 3:
 
             def tell(environment, status, category, message):
                 self.log.append(message.decode())
 
             return {"logMessage": tell}
-        return {}
+
+        def tell_2(environment, name, status, category, message):
+            self.log.append(message.decode())
+
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(tell_2)
+        self._kept = callbacks
+        return {"callbacks": callbacks}
 
     def begin(self, start=0.0, stop=None):
         if self.version == 2:
@@ -46,9 +57,31 @@ class Slave:
         self.fmu.exitInitializationMode()
 
     def set(self, **values):
-        names = [self.numbers[name.replace("__", ".")] for name in values]
+        """Set variables by names in which "__" stands for a point."""
+        self.set_named({name.replace("__", "."): value for name, value in values.items()})
+
+    def set_named(self, values):
+        for name, value in values.items():
+            self.set_number(self.numbers[name], value)
+
+    def set_number(self, number, value):
         write = self.fmu.setReal if self.version == 2 else self.fmu.setFloat64
-        write(names, list(values.values()))
+        write([number], [value])
+
+    def get_number(self, number):
+        read = self.fmu.getReal if self.version == 2 else self.fmu.getFloat64
+        return read([number])[0]
+
+    def state_of(self, content):
+        """A state of bytes."""
+        if self.version == 2:
+            return self.fmu.deSerializeFMUstate(content)
+        return self.fmu.deserializeFMUState(content)
+
+    def bytes_of(self, state):
+        if self.version == 2:
+            return self.fmu.serializeFMUstate(state)
+        return self.fmu.serializeFMUState(state)
 
     def step(self, time, size):
         return self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=size)

@@ -37,7 +37,7 @@ def servo(**more):
     pivot = m.add(
         du.joints.Revolute(m.ground, crank["hub"], axis="z", name="pivot", friction=friction)
     )
-    gains = {"stiffness": 40.0, "damping": 1.0, "integral": 5.0, "limit": 6.0}
+    gains = {"stiffness": 40.0, "damping": 1.0, "integral": 5.0, "limit": 6.0, "tracking_time": 0.3}
     m.add(du.motors.servo(pivot, "angle", du.signals.Input("u"), **gains, name="elbow servo"))
     m.add(du.springs.torsion(m.ground, crank, "z", stiffness=3.0, damping=0.01, name="return"))
     m.add(du.stops.stop(pivot, "angle", (-0.2, 0.3), stiffness=2e3, restitution=0.5, name="end"))

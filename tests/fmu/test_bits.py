@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from duhamel.fmu.variables import requested
+from duhamel.fmu.variables import output_names
 from duhamel.solver import Simulator
 from duhamel.solver.stepper import Stepper
 
@@ -13,7 +13,7 @@ ALL = ["*"]
 
 def simulated(model, inputs, every=1):
     """All outputs at the start and after every so many steps, with the inputs held between."""
-    simulator = Simulator(model, requested(Stepper(model, ()).lowered, ALL))
+    simulator = Simulator(model, output_names(Stepper(model, ()).lowered, ALL))
     rows = [simulator.outputs]
     for n in range(len(inputs)):
         found = simulator.step([inputs[n // every * every]])
