@@ -78,6 +78,8 @@ DIMENSIONS = {
         ),
         Dimension("stop", "stops of joint coordinates", "stops"),
         Dimension("motor", "motors on joint coordinates", "motors"),
+        Dimension("fmu", "FMUs that give inputs of the model", "fmus"),
+        Dimension("fmu_input", "inputs that FMUs give, as FMU.INPUT", "fmus", ragged=True),
         Dimension(
             "joint_with_friction", "joints with friction, as JOINT.friction", "joints", ragged=True
         ),
@@ -107,7 +109,7 @@ class Axis:
     """The entries of a dimension.
 
     angular: True for each that is an angle or belongs to one, where some may be; of channels of
-    sensors the number of its unit; rows: of each in the arrays of the time loop, which a file does
+    sensors and inputs by FMUs the number of its unit; rows: of each in the arrays of the time loop, which a file does
     not keep.
     """
 

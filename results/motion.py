@@ -698,6 +698,31 @@ class MotorMotion(Recorded, group="motors", owner="motor"):
     """(n,) -1 at the lower limit, 1 at the upper one, 0 between them"""
 
 
+INPUT_UNITS = ("1", "N", "N m", "m", "rad", "m s-1", "rad s-1")
+"""the units in which loads and motors take signals; "1": several, or none that is known"""
+
+
+class FmuMotion(Recorded, group="fmus", owner="fmu"):
+    """What an FMU gives: `outputs["tau"]` (n,), by the names of the inputs of the model.
+
+    Each has the unit of the loads or motors that follow it. docs/how-to/controller-fmu.md has an
+    example.
+    """
+
+    _of_inputs: dict[str, Array] = quantity(
+        INPUT_UNITS,
+        "value of each input that the FMU gives",
+        name="input",
+        of="fmu_input",
+        attribute="{}",
+    )
+
+    @property
+    def outputs(self) -> dict[str, Array]:
+        """(n,) the inputs that it gives, by name."""
+        return dict(vars(self))
+
+
 # In the order in which reports have them.
 BALANCED_ENERGIES = (
     *("kinetic", "elastic", "springs", "potential"),

@@ -24,6 +24,7 @@ from .motion import (
     CouplerMotion,
     Energy,
     Events,
+    FmuMotion,
     FrameMotion,
     JointMotion,
     Momentum,
@@ -197,6 +198,11 @@ class Results:
         return self._names("motor")
 
     @property
+    def fmus(self) -> tuple[str, ...]:
+        """The names of the recorded FMUs of the model."""
+        return self._names("fmu")
+
+    @property
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
         return Events.by_owner(self._source.events(), self._names("event_owner"))
@@ -338,6 +344,10 @@ class Results:
 
     def motor(self, name: str) -> MotorMotion:
         return self._of(MotorMotion, name)
+
+    def fmu(self, name: str) -> FmuMotion:
+        """What an FMU gives to the model."""
+        return self._of(FmuMotion, name)
 
     def unit(self, group: str, owner: str, attribute: str) -> str:
         """The unit of an attribute, as of "joints", "hinge", "angle_rate".

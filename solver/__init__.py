@@ -54,6 +54,7 @@ from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
 from .model.body_shapes import Box, Cylinder, Sphere, Surface
+from .model.fmus import FMU
 from .model.file import model_schema, read_model, write_model
 from .model.loads import LOADS, Drag, Force, Load, PatternLoad, Torque
 from .model.model import Model
@@ -92,6 +93,7 @@ from .simulation import simulate, start
 from .simulator import Simulator
 
 __all__ = [
+    "FMU",
     "JOINTS",
     "LOADS",
     "BoucWenLaw",

@@ -15,6 +15,8 @@ from ..files.memory import peak
 from ..results.contents import Contents
 from ..results.validity import Validity
 from .arrays import Array
+from .cosimulation.exchange import Exchange
+from .cosimulation.start import start_beside
 from .errors import about
 from .history.cost import history_costs
 from .lower.lower import LoweredModel
@@ -181,7 +183,9 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         contacts = *_contacts(initial), *_surface_contacts(initial)
         motors = tuple(_motors(initial))
         fast = tuple(_fast_servos(initial))
-        trial = _try(initial)  # from here on the state is that after some steps
+        initial, exchange = start_beside(initial, lowered, source)
+        with exchange:
+            trial = _try(initial, exchange)  # from here on the state is that after some steps
     return ModelCheck(
         bodies=len(model.bodies),
         flexible=len(model.flexible_bodies),
@@ -338,7 +342,7 @@ class _Trial(NamedTuple):
     validity: Validity
 
 
-def _try(initial: InitialState) -> _Trial:
+def _try(initial: InitialState, exchange: Exchange) -> _Trial:
     """Take the first steps. The time is theirs, with the growth of the history."""
     lowered, monitor = initial.lowered, ValidityMonitor(initial.lowered)
     begin = int(initial.state.step[0])
@@ -350,7 +354,8 @@ def _try(initial: InitialState) -> _Trial:
     started = time.perf_counter()
     integrate(
         PreparedRun(
-            initial.lowered, initial.state, initial.work, initial.removed, writer, begin + n
+            *(initial.lowered, initial.state, initial.work, initial.removed),
+            *(exchange, writer, begin + n),
         )
     )
     measured = (time.perf_counter() - started) / n

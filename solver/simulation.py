@@ -17,7 +17,9 @@ from ..results.file import FileWriter
 from ..results.results import Results
 from ..results.source import Writer
 from .arrays import Array, Index
-from .checkpoint.carried import carried
+from .checkpoint.carried import FMUS_PREFIX, Arrays, carried, with_prefix
+from .cosimulation.exchange import Exchange
+from .cosimulation.start import start_beside
 from .diagnosis import likely_cause
 from .errors import (
     ConvergenceError,
@@ -176,15 +178,29 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
         # Compilation takes many seconds: all that can be refused is refused before.
         requested(lowered)  # refuses what there is not, before anything is compiled
         initial = initialize(model, lowered, source)
+        restartable = output is not None and model.settings.checkpoint is not None
+        initial, exchange = start_beside(initial, lowered, source, restartable=restartable)
+    with exchange:
+        return _run_from(initial, exchange, output, progress, steps)
+
+
+def _run_from(
+    initial: InitialState,
+    exchange: Exchange,
+    output: Path | None,
+    progress: bool,
+    steps: int | None,
+) -> Results:
+    with about(initial.lowered.model.path), one_blas_thread():
         total = initial.lowered.n_steps if steps is None else steps
         check_range(initial.lowered, initial.state, 0)
         # The stack level is that of the caller of `simulate`.
-        _warn(start_warnings(initial), stacklevel=4)
+        _warn(start_warnings(initial), stacklevel=5)
         writer = make_writer(output, initial, total)
         # A state beside the new file would be taken for that of the new run.
         forget_checkpoint(writer)
     prepared = PreparedRun(
-        initial.lowered, initial.state, initial.work, initial.removed, writer, total
+        initial.lowered, initial.state, initial.work, initial.removed, exchange, writer, total
     )
     return _finish(prepared, progress)
 
@@ -210,14 +226,20 @@ def _resume(model: Model, output: Path, progress: bool, force: bool) -> Results:
             least = f"{of_state}, or more" if recorded else f"more than {of_state}"
             raise ModelError(f"simulation: t_end: expected {least}, got {model.settings.t_end:.9g}")
         state, work = allocate(lowered)
-        kept.snapshot.put_back(carried(state=state, work=work))
+        own, beside = kept.snapshot.split(FMUS_PREFIX)
+        own.put_back(carried(state=state, work=work))
         # Rows that were left out are checked in the model that has all of them.
         removed = RemovedRows(lower(model) if kept.without else lowered, sorted(kept.without))
-        writer = resume_writer(output, lowered, kept)
-    prepared = PreparedRun(
-        lowered, state, work, removed, writer, lowered.n_steps, True, *start_of(kept)
-    )
-    return _finish(prepared, progress)
+        exchange = Exchange(lowered, restartable=model.settings.checkpoint is not None)
+    with exchange:
+        with about(model.path), one_blas_thread():
+            exchange.bind(state, work)
+            exchange.resume(beside)
+            writer = resume_writer(output, lowered, kept)
+        prepared = PreparedRun(
+            lowered, state, work, removed, exchange, writer, lowered.n_steps, True, *start_of(kept)
+        )
+        return _finish(prepared, progress)
 
 
 def start_warnings(initial: InitialState) -> Iterator[str]:
@@ -238,6 +260,7 @@ class PreparedRun:
     state: State
     work: Workspace
     removed: RemovedRows
+    exchange: Exchange
     writer: Writer
     total: int
     resumed: bool = False
@@ -249,7 +272,11 @@ class PreparedRun:
         if self.lowered.model.settings.checkpoint is None or not isinstance(writer, FileWriter):
             return nullcontext(NoKeeper())
         live = carried(state=self.state, work=self.work)
-        return FileKeeper(writer, self.lowered, live, self.begin())
+        return FileKeeper(writer, self.lowered, live, self.begin(), self._beside)
+
+    def _beside(self) -> Arrays:
+        """What FMUs carry on, by the names of a state."""
+        return with_prefix(FMUS_PREFIX, self.exchange.saved())
 
     def begin(self) -> int:
         """The step at which it starts, before it has taken any."""
@@ -298,7 +325,8 @@ def _warn(lines: Iterable[str], stacklevel: int) -> None:
 
 def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
-    lowered, state, work, total = prepared.lowered, prepared.state, prepared.work, prepared.total
+    exchange, state, work, total = prepared.exchange, prepared.state, prepared.work, prepared.total
+    lowered = exchange.lowered
     # A batch begins small, and doubles until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
@@ -314,6 +342,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
         if not prepared.resumed:
             run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
             record(run, 0)
+            exchange.keep(recorder.output, np.zeros(1, dtype=np.int64), np.array([done]))
             writer.check(monitor.values(state, done - begin))
             recorder.keep_start(done)
         shown.advance(done, free=True)
@@ -325,7 +354,8 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
             stride, n = phases.begin(convolution.steps_until_due(done, n))
             steps = done + stride * np.arange(1, n + 1)
             rows = recorder.rows(steps, stride)
-            taken, residual, failed = phases.advance(signals(lowered, steps[0], rows, stride))
+            inputs = signals(lowered, steps[0], rows, stride)
+            taken, residual, failed = exchange.advance(phases, inputs, stride, recorder.output)
             check_passages(lowered, state, work, done + stride * taken)
             check_resolution(lowered, state, done + stride * taken)
             # The loop returns early when its list of events is full: no failure.

@@ -15,7 +15,7 @@ from ..results.motion import Energy, Events
 from ..results.results import Results
 from ..results.validity import Validity
 from .arrays import Array
-from .checkpoint.carried import Snapshot, carried
+from .checkpoint.carried import FMUS_PREFIX, Snapshot, carried, with_prefix
 from .checkpoint.saved_state import SavedState
 from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
@@ -143,9 +143,10 @@ class Simulator:
         self._destinations = [
             (place, self.inputs.index(signal.name))
             for place, signal in stepper.signals
-            if isinstance(signal, Input)
+            if isinstance(signal, Input) and signal.name in self.inputs
         ]
         """(its place, number of the input)"""
+        self._exchange = stepper.exchange
         self._all_are_inputs = len(self._destinations) == len(stepper.signals)
         self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = int(state.step[0]), lowered.n_steps, lowered.h
@@ -156,6 +157,7 @@ class Simulator:
         self._chattering: set[str] = set()
         self._told: deque[tuple[float, ...]] = deque(maxlen=STEPS_AHEAD)
         record(self._run, 0)
+        self._keep_given()
         self._start = Energies.of(output)
         # The free response of the first step is made before its inputs are known.
         advance(self._run, stepper.first)
@@ -196,6 +198,9 @@ class Simulator:
             self._set_signals(number)
         for place, k in self._destinations:
             place[0] = inputs[k]
+        if self._exchange:
+            self._exchange.exchange()
+            self._exchange.fill(self._next, slice(0, 1), np.array([number]))
         self._told.append(tuple(inputs))
         # a kernel ends with the run
         last = number == self._n_steps
@@ -210,6 +215,7 @@ class Simulator:
             )
             raise failure(self._lowered, self._state, self._work, number, residual, cause)
         self._number = number
+        self._keep_given()
         self._branches.check(self._work, number)
         if last or number % STEPS_AHEAD == 0:
             self._removed.check(self._work, self.time)
@@ -237,6 +243,7 @@ class Simulator:
         self._recording.keep(self._number, self._output)
         results, self._recording = self._recording.finish(), None
         self._has_ended = True
+        self._exchange.close()
         self._warn_of_limits()
         return results
 
@@ -244,6 +251,7 @@ class Simulator:
         return self
 
     def __exit__(self, *failure: Any) -> None:
+        self._exchange.close()
         if failure[1] is not None:
             if self._recording is not None:
                 self._recording.keep(self._number, self._output)
@@ -258,8 +266,9 @@ class Simulator:
         """The present state, to go back to."""
         arrays = {name: array.copy() for name, array in self._live.items()}
         # Two namespaces in one dictionary of a snapshot: arrays of the loop and of the convolution.
-        past = {f"{PAST_PREFIX}{name}": array for name, array in self._convolution.saved().items()}
-        return SavedState(Snapshot(self._number, arrays | past), self._lowered)
+        past = with_prefix(PAST_PREFIX, self._convolution.saved())
+        beside = with_prefix(FMUS_PREFIX, self._exchange.saved())
+        return SavedState(Snapshot(self._number, arrays | past | beside), self._lowered)
 
     def restore(self, state: SavedState) -> Array:
         """Go back, or forth, to a state that was saved; return the outputs there.
@@ -270,14 +279,20 @@ class Simulator:
         if self._recording is not None:
             raise ModelError("restore: expected a Simulator without a results file")
         state.check(self._lowered)
-        number, arrays = state.snapshot
-        own = {name: array for name, array in arrays.items() if not name.startswith(PAST_PREFIX)}
-        past = {name.removeprefix(PAST_PREFIX): arrays[name] for name in arrays.keys() - own.keys()}
+        own, past = state.snapshot.split(PAST_PREFIX)
+        own, beside = own.split(FMUS_PREFIX)
+        number = own.step
         # Into the arrays that compiled code points to: these are never replaced.
-        Snapshot(number, own).put_back(self._live)
+        own.put_back(self._live)
         self._convolution.load(number, past)
+        self._exchange.load(beside)
         self._number, self._has_warned = number, False
         return self._gather()
+
+    def _keep_given(self) -> None:
+        """Let the outputs have what FMUs give at the present time."""
+        at = np.zeros(1, dtype=np.int64), np.array([self._number])
+        self._exchange.keep(self._output, *at)
 
     def _warn_of_limits(self) -> None:
         """Warn, once, of each limit that the steps until now have passed, and of inputs."""

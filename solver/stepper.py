@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..files.blas import one_blas_thread
+from .cosimulation.start import start_beside
 from .errors import ModelError, about
-from .lower.allocation import make_output
 from .model.model import Model
 from .output.columns import check_names
 from .output.validity import check_range
@@ -32,14 +32,15 @@ class Stepper:
             if source and lowered.system.elastic.kernels.lags.any():
                 raise ModelError("start: a Simulator continues a run only with recursive history")
             check_names(lowered, outputs)
-            self.initial = initialize(model, lowered, source)
+            initial = initialize(model, lowered, source)
+            self.initial, self.exchange = start_beside(initial, lowered, source, recorded=True)
             self.lowered = lowered = self.initial.lowered
             check_range(lowered, self.initial.state, 0)
         self.run = Run(
-            system=lowered.system,
+            system=self.exchange.lowered.system,
             state=self.initial.state,
             work=self.initial.work,
-            output=make_output(lowered, 1),
+            output=self.exchange.row,
         )
         self.inputs = Inputs(
             load=np.zeros((1, len(lowered.load_signals))),
@@ -60,4 +61,6 @@ class Stepper:
         )
         """all signals, each with the place (1,) of its value at the end of the step"""
         given = [signal.name for _, signal in self.signals if isinstance(signal, Input)]
-        self.input_names = tuple(dict.fromkeys(given))
+        by_fmus = {name for fmu in model.fmus for name in fmu.outputs.values()}
+        self.input_names = tuple(name for name in dict.fromkeys(given) if name not in by_fmus)
+        """inputs that no FMU gives"""

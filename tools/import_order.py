@@ -103,6 +103,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "output",
         "diagnosis",
         "phases",
+        "cosimulation",
         "plausibility",
         "simulation",
         "inspection",

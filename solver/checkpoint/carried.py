@@ -12,6 +12,8 @@ Arrays = Mapping[str, Any]
 """arrays by name, as "state/bodies/x" """
 BY_STEP = frozenset({"state/past/p", "state/past/u_ahead"})
 """arrays with a column for each step that is kept: longer runs have more of them"""
+FMUS_PREFIX = "fmus/"
+"""names of what FMUs carry on begin with it"""
 
 
 def carried(**records: Struct) -> dict[str, Any]:
@@ -24,6 +26,11 @@ def carried(**records: Struct) -> dict[str, Any]:
     }
 
 
+def with_prefix(prefix: str, arrays: Arrays) -> dict[str, Any]:
+    """Arrays by longer names, so that others can stand beside them."""
+    return {f"{prefix}{name}": array for name, array in arrays.items()}
+
+
 class Snapshot(NamedTuple):
     """Copies of arrays after a step."""
 
@@ -33,6 +40,14 @@ class Snapshot(NamedTuple):
     @classmethod
     def of(cls, step: int, live: Arrays) -> "Snapshot":
         return cls(step, {name: array.copy() for name, array in live.items()})
+
+    def split(self, prefix: str) -> "tuple[Snapshot, dict[str, Any]]":
+        """The arrays whose names do not begin with a prefix, and the others without it."""
+        own = {name: array for name, array in self.arrays.items() if not name.startswith(prefix)}
+        others = self.arrays.keys() - own.keys()
+        return Snapshot(self.step, own), {
+            name.removeprefix(prefix): self.arrays[name] for name in others
+        }
 
     def put_back(self, live: Arrays) -> None:
         """Let arrays have the values of these; `StateError` where the shapes do not fit."""

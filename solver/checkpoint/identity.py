@@ -22,6 +22,7 @@ from ..history.layout import Horizon
 from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
 from ..model.bodies import FlexibleBody, RigidBody, RigidSuperelement
+from ..model.fmus import FMU
 from ..model.model import Model
 from ..schema.entry import Entry, Flattened, note
 from ..schema.tables import declared, key_of
@@ -183,6 +184,9 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     elif isinstance(value, Entry):
         for field, hint in declared(type(value)):
             if isinstance(value, RigidBody) and field.name == SHAPE_FIELD:
+                continue
+            if isinstance(value, FMU) and field.name == "file":
+                yield f"{key}.file", value.digest
                 continue
             below = key if note(hint, Flattened) else f"{key}.{key_of(field, hint)}"
             yield from _flat(below, getattr(value, field.name))

@@ -90,4 +90,5 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
 def make_output(lowered: LoweredModel, n: int) -> Output:
     """Arrays for n rows of output."""
     kept = sizes_of_kept(lowered.system.surfaces, lowered.model.settings.output)
-    return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), **kept, "n": n})
+    given = {"n_fmu_inputs": sum(len(fmu.outputs) for fmu in lowered.model.fmus)}
+    return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), **kept, **given, "n": n})

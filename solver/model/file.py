@@ -50,6 +50,7 @@ from .bodies import (
     Start,
 )
 from .body_shapes import BODY_SHAPES
+from .fmus import FMU
 from .loads import LOADS
 from .model import Model
 from .output_request import OutputRequest
@@ -64,6 +65,7 @@ ARRAYS_OF_TABLES = (
     "stops",
     "motors",
     "couplers",
+    "fmus",
 )
 """the arrays of tables, in the order in which they are written"""
 MOTION_CLASSES = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
@@ -150,6 +152,7 @@ class _ModelFile(Table):
     stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
     couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
     motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
+    fmus: tuple[table_of(FMU), ...] = ()  # type: ignore[valid-type]
 
 
 def _model_file() -> Any:

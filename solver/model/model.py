@@ -22,6 +22,7 @@ from ..errors import ModelError
 from ..schema.entry import Entry, entry
 from ..schema.values import NO_ITEMS, ZERO_VECTOR, Several, Vector
 from .bodies import Body, FlexibleBody, Frame
+from .fmus import FMU, check_fmus
 from .loads import AnyLoad, Load, PatternLoad
 from .settings import Settings
 from .summary import counted, rows
@@ -39,7 +40,8 @@ class Model(Entry):
     ----------
     bodies : mapping of RigidBody, FlexibleBody or RigidSuperelement
         By name.
-    joints, loads, springs, motions, contacts, stops, motors, couplers, surface_contacts : sequence
+    joints, loads, springs, motions, contacts, stops, motors, couplers : sequence
+    surface_contacts, fmus : sequence
     gravity : (3,) [m/s^2]
         The acceleration of a free body.
     ground_frames : mapping of Frame
@@ -74,6 +76,7 @@ class Model(Entry):
     motors: Several[Motor] = NO_ITEMS
     couplers: Several[Coupler] = NO_ITEMS
     surface_contacts: Several[SurfaceContact] = NO_ITEMS
+    fmus: Several[FMU] = NO_ITEMS
     gravity: Vector = ZERO_VECTOR
     ground_frames: Mapping[str, Frame] = field(default_factory=dict)
     settings: Settings = field(default_factory=lambda: Settings(t_end=1.0))
@@ -91,6 +94,7 @@ class Model(Entry):
         self._check_couplings()
         self._check_surfaces()
         self._check_loads()
+        check_fmus(self.fmus, self.loads, self.motors)
         if self.settings.start == "equilibrium":
             self._check_equilibrium()
 
@@ -105,7 +109,10 @@ class Model(Entry):
 
     def _parts(self) -> dict[str, tuple[Any, ...]]:
         """Loads and couplings, the entries of each kind by its key in model files."""
-        kinds = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+        kinds = (
+            *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
+            "fmus",
+        )
         parts = {kind: getattr(self, kind) for kind in kinds}
         # Files, and so their readers, know one array of contacts.
         parts["contacts"] = (*self.contacts, *self.surface_contacts)
@@ -173,7 +180,7 @@ class Model(Entry):
         _check_frame_names("ground", self.ground_frames)
 
     @property
-    def _named(self) -> dict[str, tuple[Named | SurfaceContact, ...]]:
+    def _named(self) -> dict[str, tuple[Named | SurfaceContact | FMU, ...]]:
         """The entries that need a unique name, by kind."""
         return {
             "joint": self.joints,
@@ -184,6 +191,7 @@ class Model(Entry):
             "motor": self.motors,
             "coupler": self.couplers,
             "surface_contact": self.surface_contacts,
+            "fmu": self.fmus,
         }
 
     def _name(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from ...inputs.errors import did_you_mean
 from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
 from ...results.dimensions import Axis
-from ...results.motion import OWNERS_OF_GROUP, QUANTITIES
+from ...results.motion import INPUT_UNITS, OWNERS_OF_GROUP, QUANTITIES
 from ...results.quantity import Quantity
 from ...superelement.sensor import CHANNELS_OF_KIND
 from ..arrays import Array
@@ -18,6 +18,7 @@ from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
 from ..lower.surfaces import flexible_surfaces
 from ..model.model import Model
+from ..signals.curves import Input
 from ..step.system import Output
 
 SENSOR_KINDS = tuple(CHANNELS_OF_KIND)
@@ -75,7 +76,8 @@ def axes_of(lowered: LoweredModel) -> dict[str, Axis]:
     axes["joint_coordinate"] = _axis(list(enumerate(names)), angular)
     couplers = [(int(couplings.range[j]), name) for j, name in _numbered(model, "coupler")]
     axes["coupler"] = _axis(couplers, [not lengths[row] for row, _ in couplers])
-    return axes | _switching_axes(lowered) | _surface_axes(lowered) | _channel_axes(model)
+    others = _switching_axes(lowered) | _surface_axes(lowered)
+    return axes | others | _channel_axes(model) | _fmu_axes(model)
 
 
 def _surface_axes(lowered: LoweredModel) -> dict[str, Axis]:
@@ -123,6 +125,45 @@ def _channel_axes(model: Model) -> dict[str, Axis]:
         "sensor": _axis(list(enumerate(sensors))),
         "sensor_channel": _axis(list(enumerate(channels)), units),
     }
+
+
+def _fmu_axes(model: Model) -> dict[str, Axis]:
+    """The entries of FMUs and of the inputs that they give."""
+    given = [(fmu.name, name) for fmu in model.fmus for name in fmu.outputs.values()]
+    units = [INPUT_UNITS.index(unit_of_input(model, name)) for _, name in given]
+    return {
+        "fmu": _axis([(k, fmu.name) for k, fmu in enumerate(model.fmus) if fmu.outputs]),
+        "fmu_input": _axis([(i, ".".join(one)) for i, one in enumerate(given)], units),
+    }
+
+
+def unit_of_input(model: Model, name: str) -> str:
+    """The unit in which loads and motors take an input, in the spelling of UDUNITS.
+
+    "1" where they are several, or where it is not known.
+    """
+    units = set(_units_of_input(model, name))
+    return units.pop() if len(units) == 1 else "1"
+
+
+def _units_of_input(model: Model, name: str) -> Iterator[str]:
+    def is_it(signal: object) -> bool:
+        return isinstance(signal, Input) and signal.name == name
+
+    for load in model.loads:
+        if is_it(load.signal):
+            yield getattr(load, "unit", "1")
+    joints = {joint.name: joint for joint in model.joints}
+    for motor in model.motors:
+        turns = joints[motor.joint].unit(motor.coordinate) == "rad"
+        length, force = ("rad", "N m") if turns else ("m", "N")
+        for signal, unit in (
+            (motor.torque or motor.force, force),
+            (motor.reference, length),
+            (motor.reference_rate, f"{length} s-1"),
+        ):
+            if is_it(signal):
+                yield unit
 
 
 def _switching_axes(lowered: LoweredModel) -> dict[str, Axis]:

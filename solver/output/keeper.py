@@ -1,6 +1,7 @@
 """The state of a run, kept beside its results from time to time and at its end."""
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol
@@ -41,14 +42,23 @@ class FileKeeper:
     """Keeps the state in a file, with the rows that belong to it on the disk before.
 
     A copy in memory is always that of the last step after which the loop returned: it is what is
-    kept when the run ends, well or not. Where it cannot be, the file stays as it was.
+    kept when the run ends, well or not. Where it cannot be, the file stays as it was. beside: gives
+    copies of what else the run carries on.
     """
 
-    def __init__(self, writer: FileWriter, lowered: LoweredModel, live: Arrays, first: int) -> None:
+    def __init__(
+        self,
+        writer: FileWriter,
+        lowered: LoweredModel,
+        live: Arrays,
+        first: int,
+        beside: Callable[[], Arrays],
+    ) -> None:
         interval = lowered.model.settings.checkpoint
         self._every = lowered.ratio * interval.every if isinstance(interval, EverySteps) else None
         self._pause = interval.seconds if isinstance(interval, Seconds) else float("inf")
         self._writer, self._lowered, self._live = writer, lowered, live
+        self._beside = beside
         self._path = checkpoint_of(writer.place)
         self._identity: Identity | None = None
         self._newest = self._kept = Snapshot(-1, {})
@@ -62,7 +72,8 @@ class FileKeeper:
     def step_taken(self, step: int, recorder: Recorder) -> None:
         # Copied after every return of the loop: after an interrupt arrays may be those of half a
         # step.
-        self._newest = Snapshot.of(step, self._live)
+        own = Snapshot.of(step, self._live)
+        self._newest = own._replace(arrays={**own.arrays, **self._beside()})
         self._notes = recorder.start._asdict() | {"first": float(self._first)}
         # The first state is kept at once, or a run killed early could not go on.
         none = self._kept.step < 0

@@ -47,6 +47,8 @@ def check_output(path: Path, model: Model) -> None:
             inputs[body.source] = f"the superelement of body {name!r}"
     for record in records_of(model):
         inputs[record.file] = "a record that the model follows"
+    for fmu in model.fmus:
+        inputs[fmu.file] = "an FMU of the model"
     if isinstance(start := model.settings.start, StartFrom):
         run = Path(start.path)
         inputs[run] = "the run that the model starts from"
@@ -184,6 +186,7 @@ def _notes_of_signals(lowered: LoweredModel, steps: int) -> dict[str, Any]:
     bodies = lowered.model.bodies.values()
     rigid = [b.source for b in bodies if isinstance(b, RigidSuperelement) and b.source]
     files = {record.digest for record in records_of(lowered.model)} | set(map(sha256, rigid))
+    files |= {fmu.digest for fmu in lowered.model.fmus}
     notes = {
         "contact_h": lowered.h if lowered.flight else None,
         "drift": "\n".join(map(str, drifts(lowered, steps * lowered.h))),

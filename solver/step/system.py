@@ -143,6 +143,7 @@ DIMENSIONS_OF_RESULTS: dict[str, int | str] = {
     "pattern": "n_g",
     "sensor_channel": "n_z",
     "motor": "n_motors",
+    "fmu_input": "n_fmu_inputs",
     "surface_contact": "n_contacts",
     "surface_row": "n_kept_rows",
     "surface_node": "n_kept_nodes",
