@@ -712,7 +712,7 @@ class FmuMotion(Recorded, group="fmus", owner="fmu"):
     _of_inputs: dict[str, Array] = quantity(
         INPUT_UNITS,
         "value of each input that the FMU gives",
-        name="input",
+        name="value",
         of="fmu_input",
         attribute="{}",
     )

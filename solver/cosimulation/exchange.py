@@ -140,7 +140,7 @@ class Exchange:
         """Write what the FMUs give at steps into rows of the output, but for rows -1."""
         kept = rows >= 0
         for unit, columns in zip(self._units, self._columns, strict=True):
-            output.fmu_input[rows[kept], columns] = unit.values(steps[kept])
+            output.fmu_value[rows[kept], columns] = unit.values(steps[kept])
             unit.hide_references(output, rows[kept])
 
     def saved(self) -> dict[str, Array | Index]:
