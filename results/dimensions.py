@@ -109,8 +109,8 @@ class Axis:
     """The entries of a dimension.
 
     angular: True for each that is an angle or belongs to one, where some may be; of channels of
-    sensors and inputs by FMUs the number of its unit; rows: of each in the arrays of the time loop, which a file does
-    not keep.
+    sensors and inputs by FMUs the number of its unit; rows: of each in the arrays of the time loop,
+    which a file does not keep.
     """
 
     names: tuple[str, ...]

@@ -54,8 +54,8 @@ from .linear.modes import LinearModes
 from .linear.state_space import StateSpace
 from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
 from .model.body_shapes import Box, Cylinder, Sphere, Surface
-from .model.fmus import FMU
 from .model.file import model_schema, read_model, write_model
+from .model.fmus import FMU
 from .model.loads import LOADS, Drag, Force, Load, PatternLoad, Torque
 from .model.model import Model
 from .model.output_request import OutputRequest

@@ -1,7 +1,7 @@
 """What the file of an FMU says of it, as far as a model needs it."""
 
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -19,6 +19,8 @@ WHOLE_TYPES = (
     *("Int64", "UInt64"),
 )
 TRUTH_TYPE, TEXT_TYPE = "Boolean", "String"
+MAX_LISTED = 12
+"""names in a message"""
 DERIVATIVES_OF_FMI_3 = "providesDirectionalDerivatives"
 """the attribute of a model description that FMPy leaves out"""
 
@@ -130,9 +132,7 @@ def _own_step(found: Any) -> float | None:
     return step if step > 0.0 and isfinite(step) else None
 
 
-def _number(
-    fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, Any]
-) -> Variable:
+def _number(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, Any]) -> Variable:
     """A variable that is one real number."""
     found = _variable(fmu, key, causality, name, known)
     if found.type not in REAL_TYPES or found.dimensions:
@@ -148,7 +148,8 @@ def _variable(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str,
     own = [one.name for one in known.values() if one.causality == causality]
     if name not in known:
         raise fmu.error(
-            f"{key}: no variable {quoted(name)} in {fmu.file}{did_you_mean(name, own, n=3)}"
+            f"{key}: no variable {quoted(name)} in {fmu.file}"
+            f"{did_you_mean(name, own, n=3) or _listed(own)}"
         )
     if known[name].causality != causality:
         found = known[name].causality or "local"
@@ -157,6 +158,12 @@ def _variable(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str,
             f"{fmu.file}{did_you_mean(name, own, n=3)}"
         )
     return known[name]
+
+
+def _listed(names: Sequence[str]) -> str:
+    """The end of a message: some of the names that there are."""
+    more = ", ..." if len(names) > MAX_LISTED else ""
+    return f"; it has: {', '.join(names[:MAX_LISTED]) or 'none'}{more}"
 
 
 def _parameter(

@@ -1,9 +1,10 @@
 """The FMUs of a model beside its time loop: what they exchange with it, and when."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -48,13 +49,13 @@ class Exchange:
             for fmu in self.model.fmus:
                 sources = [_source(fmu, name, lowered, self.row) for name in fmu.inputs.items()]
                 self._units.append(Unit(fmu, lowered, sources))
-                if restartable:
-                    self._units[-1].check_serializes("simulation: checkpoint")
+            if restartable:
+                self.check_serializes("simulation: checkpoint")
         except BaseException:
             self.close()
             raise
         ends = np.cumsum([0, *(len(unit.fmu.outputs) for unit in self._units)])
-        self._columns = [slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True)]
+        self._columns = [slice(*pair) for pair in pairwise(ends.tolist())]
 
     def __enter__(self) -> Self:
         return self
@@ -142,6 +143,11 @@ class Exchange:
         for unit, columns in zip(self._units, self._columns, strict=True):
             output.fmu_value[rows[kept], columns] = unit.values(steps[kept])
             unit.hide_references(output, rows[kept])
+
+    def check_serializes(self, key: str) -> None:
+        """ModelError for a key that needs states which an FMU cannot write."""
+        for unit in self._units:
+            unit.check_serializes(key)
 
     def saved(self) -> dict[str, Array | Index]:
         """Copies of all that the FMUs carry on, by name."""

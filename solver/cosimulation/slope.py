@@ -103,9 +103,7 @@ class Slopes:
         return added
 
     def _derive(self) -> None:
-        for output, pair, reaction in zip(
-            self._outputs, self._inputs, self.reactions, strict=True
-        ):
+        for output, pair, reaction in zip(self._outputs, self._inputs, self.reactions, strict=True):
             own = [i for i in pair if i >= 0]
             names = [name for name in (reaction.angle, reaction.rate) if name]
             self._table[output, own] = self._instance.derivative(reaction.output, names)

@@ -74,8 +74,7 @@ def _with_values(part: Any, values: Mapping[str, float]) -> Any:
         return replace(part, value=values.get(part.name, part.value))
     if isinstance(part, Model):
         loads, motors = (
-            tuple(_with_values(one, values) for one in group)
-            for group in (part.loads, part.motors)
+            tuple(_with_values(one, values) for one in group) for group in (part.loads, part.motors)
         )
         return replace(part, loads=loads, motors=motors)
     signals = {

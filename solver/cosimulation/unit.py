@@ -97,7 +97,9 @@ class Unit:
 
     def values(self, steps: Index) -> Array:
         """What it gives (n, n_outputs) at the ends of steps, but for its reaction."""
-        share = (steps - self._point[0]) / self.steps if self._point[0] >= 0 else np.zeros(len(steps))
+        share = (
+            (steps - self._point[0]) / self.steps if self._point[0] >= 0 else np.zeros(len(steps))
+        )
         return self._begin + np.outer(share, self._end - self._begin)
 
     def fill(self, inputs: Inputs, rows: slice, steps: Index) -> None:
@@ -106,7 +108,7 @@ class Unit:
         for output, kind, column in self._followers:
             getattr(inputs, kind)[rows, column] = values[:, output]
         if self._slopes is not None:
-            for k, reaction in enumerate(self._slopes.reactions):
+            for reaction in self._slopes.reactions:
                 for place, name in enumerate((reaction.angle, reaction.rate), start=1):
                     seen = self._seen[list(self.fmu.inputs).index(name)] if name else 0.0
                     inputs.motor[rows, 3 * reaction.motor + place] = seen
@@ -122,8 +124,8 @@ class Unit:
         """ModelError where states are to be written that the FMU cannot write."""
         if not self.instance.description.serializes:
             raise ModelError(
-                f"{key}: {self.fmu.owner} cannot serialize its state (canSerializeFMUstate), so "
-                "that the run could not be continued: leave the key out"
+                f"{key}: {self.fmu.owner} cannot serialize its state (canSerializeFMUState): no "
+                "run could go on from it"
             )
 
     def set_gains(self, motors: Motors) -> None:

@@ -9,7 +9,6 @@ from ...inputs import FORM_OF_NAMES, Shown, is_name, quoted
 from ...inputs.errors import did_you_mean
 from ...superelement import sha256
 from ..couplings.motors import Motor
-from ..errors import ModelError
 from ..schema.entry import Entry, FieldSpec, entry, real
 from ..schema.paths import FilePath
 from ..schema.values import Name, PositiveTime
@@ -39,10 +38,8 @@ def _starts(value: Any) -> dict[str, Start]:
     return starts
 
 
-_START = Annotated[bool | int | float | str, Shown(lambda: {})]
-Texts = Annotated[
-    Mapping[str, str], FieldSpec("a table of names by names", _texts, dict[str, str])
-]
+_START = Annotated[bool | int | float | str, Shown(dict)]
+Texts = Annotated[Mapping[str, str], FieldSpec("a table of names by names", _texts, dict[str, str])]
 Starts = Annotated[
     Mapping[str, Start],
     FieldSpec("a table of numbers, texts or true and false", _starts, dict[str, Any]),

@@ -55,13 +55,14 @@ static Model *model(void) {
 
 static double wanted(const Model *m) {
     const double *x = m->x;
+    if (x[FAILS_AT] < 0.0) return NAN;
     double error = x[REFERENCE] - x[ANGLE];
     return fmax(fmin(x[KP] * error - x[KD] * x[RATE] + x[KI] * x[Z], x[LIMIT]), -x[LIMIT]);
 }
 
 static Status step(Model *m, double t, double h) {
     double *x = m->x;
-    if (t + h > x[FAILS_AT]) {
+    if (x[FAILS_AT] >= 0.0 && t + h > x[FAILS_AT]) {
         tell(m, "the drive is too hot");
         return FAILS;
     }
