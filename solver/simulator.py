@@ -263,7 +263,10 @@ class Simulator:
             self._warn_of_limits()
 
     def save(self) -> SavedState:
-        """The present state, to go back to; `ModelError` for an FMU that cannot serialize its own."""
+        """The present state, to go back to.
+
+        `ModelError` for an FMU that cannot serialize its own.
+        """
         self._exchange.check_serializes("save")
         arrays = {name: array.copy() for name, array in self._live.items()}
         # Two namespaces in one dictionary of a snapshot: arrays of the loop and of the convolution.

@@ -153,9 +153,8 @@ class Exchange:
         """Copies of all that the FMUs carry on, by name."""
         arrays: dict[str, Array | Index] = {}
         for unit in self._units:
-            own = {key: array.copy() for key, array in unit.memory.items()}
-            own[SERIALIZED] = unit.instance.serialized()
-            arrays |= {f"{unit.fmu.name}/{key}": array for key, array in own.items()}
+            arrays |= {f"{unit.fmu.name}/{key}": one.copy() for key, one in unit.memory.items()}
+            arrays[f"{unit.fmu.name}/{SERIALIZED}"] = unit.instance.serialized()
         return arrays
 
     def resume(self, arrays: Arrays) -> None:

@@ -10,6 +10,7 @@ from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.model import Model
 from ..signals.curves import Input
+from ..signals.signal import Signal
 from ..start.initial import InitialState, initialize
 from .exchange import Exchange
 
@@ -60,11 +61,9 @@ def _started_with(values: Mapping[str, float], lowered: LoweredModel) -> Initial
     """The start with other values of inputs, by name; the model stays as it is declared."""
     changed: Model = _with_values(lowered.model, values)
     other = replace(lowered, model=changed)
-    signals = {
-        "load_signals": [load.signal for load in other.loads],
-        "motor_signals": [signal for motor in changed.motors for signal in motor.signals],
-    }
-    begun = initialize(changed, replace(other, **signals))
+    loads: list[Signal] = [load.signal for load in other.loads]
+    motors: list[Signal] = [signal for motor in changed.motors for signal in motor.signals]
+    begun = initialize(changed, replace(other, load_signals=loads, motor_signals=motors))
     return replace(begun, lowered=replace(begun.lowered, model=lowered.model))
 
 
