@@ -161,6 +161,8 @@ def _stepper(model: Model, communication: float | None) -> tuple[Stepper, tuple[
     """A model before its first step, with steps that fit the communication step, and notes."""
     if model.settings.contact_step is not None:
         raise FMUError("simulation: contact_step: an FMU takes steps of one size")
+    if model.fmus:
+        raise FMUError(f"{model.fmus[0].owner}: an FMU cannot run another one")
     stepper = Stepper(model, ())
     notes = list(start_warnings(stepper.initial))
     if communication is not None:

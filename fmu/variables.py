@@ -9,10 +9,8 @@ import numpy as np
 
 from ..inputs.errors import did_you_mean
 from ..solver.arrays import Array
-from ..solver.couplings.motors import Motor
 from ..solver.lower.lower import LoweredModel
-from ..solver.model.loads import Load
-from ..solver.output.columns import available, axes_of, cells
+from ..solver.output.columns import available, cells, unit_of_input
 from ..solver.signals.curves import Input
 from ..solver.step.system import Output
 from ..solver.stepper import Stepper
@@ -128,34 +126,14 @@ def _input(stepper: Stepper, name: str) -> Variable:
     """An input, with the unit of all that it is used for, "" where these differ."""
     given = [s for _, s in stepper.signals if isinstance(s, Input) and s.name == name]
     # An input may drive a torque and a force at once: then it has no unit.
-    units = set(units_of_input(stepper.lowered, name))
+    unit = unit_of_input(stepper.lowered.model, name)
     return Variable(
         structured(f"inputs/{name}"),
         VariableKind.INPUT,
-        units.pop() if len(units) == 1 else "",
+        "" if unit == "1" else unit,
         "held over a communication step",
         start=given[0].value,
     )
-
-
-def units_of_input(lowered: LoweredModel, name: str) -> Iterator[str]:
-    """The units in which the loads and motors of a model take an input."""
-    model = lowered.model
-    for load in model.loads:
-        if isinstance(load.signal, Input) and load.signal.name == name:
-            yield load.unit if isinstance(load, Load) else ""
-    motors = axes_of(lowered)["motor"]
-    for motor, angular in zip(model.motors, motors.angular, strict=True):
-        own: Motor = motor.motor if hasattr(motor, "motor") else motor
-        length, force = ("rad", "N m") if angular else ("m", "N")
-        for signal, unit in (
-            (own.torque, force),
-            (own.force, force),
-            (own.reference, length),
-            (own.reference_rate, f"{length} s-1"),
-        ):
-            if isinstance(signal, Input) and signal.name == name:
-                yield unit
 
 
 def _check_names(found: Sequence[Variable]) -> None:

@@ -19,7 +19,7 @@ from ..superelement.sensor import CHANNELS_OF_KIND
 from .contents import attributes_of
 from .dimensions import DIMENSIONS
 from .errors import QuantityError
-from .motion import OWNERS_OF_GROUP, QUANTITIES, BodyMotion, Energy, FrameMotion
+from .motion import INPUT_UNITS, OWNERS_OF_GROUP, QUANTITIES, BodyMotion, Energy, FrameMotion
 from .quantity import Quantity, lacking, readable
 from .results import Results
 from .rotations import inverse, product, rotate, twists
@@ -155,6 +155,12 @@ def coordinate(results: Results, joint: str, name: str) -> Array:
     """
     _coordinate(results, joint, name)
     return results.joint(joint).coordinates[name]
+
+
+def fmu_input(results: Results, fmu: str, name: str) -> Array:
+    """An input of the model (n,) that an FMU gives. See `evaluate` for an example."""
+    found = results.fmu(_known("FMU", fmu, results.fmus)).outputs
+    return found[_known(f"input by {fmu}", name, found)]
 
 
 def energy(results: Results, name: str) -> Array:
@@ -302,6 +308,15 @@ KINDS_BY_NAME = _of_records() | {
         "2 slips",
         axes=(),
         unit_of=lambda results, *names: readable(results.unit("joints", *names)),
+    ),
+    "fmu_input": Kind(
+        fmu_input,
+        tuple(map(readable, INPUT_UNITS)),
+        ("FMU", "FMU_INPUT"),
+        "input of the model that an FMU gives, by its name",
+        axes=(),
+        words=("input by an FMU",),
+        unit_of=lambda results, *names: readable(results.unit("fmus", *names)),
     ),
     "energy": Kind(energy, ("J",), ("ENERGY",), ", ".join(ENERGY_LABELS), axes=()),
     "normal_force": _recorded(
@@ -522,6 +537,9 @@ def names_in_role(results: Results, role: str) -> tuple[str, ...]:
     if role == "COORDINATE":
         every = [name for joint in results.joints for name in _coordinates(results, joint)]
         return tuple(dict.fromkeys(every))
+    if role == "FMU_INPUT":
+        given = [name for fmu in results.fmus for name in results.fmu(fmu).outputs]
+        return tuple(dict.fromkeys(given))
     plural = {"BODY": "bodies", "ENERGY": "energies"}.get(role, f"{role.lower()}s")
     names: tuple[str, ...] = getattr(results, plural)
     return names

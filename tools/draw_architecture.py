@@ -72,6 +72,7 @@ ABOUT = {
     "solver/output": "what is recorded",
     "solver/diagnosis": "why a step failed",
     "solver/phases": "short and long steps",
+    "solver/cosimulation": "FMUs beside the time loop",
     "solver/simulation": "all steps to t_end",
     "solver/plausibility": "doubts about models",
     "solver/inspection": "what a run would be",

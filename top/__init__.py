@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from duhamel.runs import Run
     from duhamel.selections import box, cylinder, group, node, plane, sphere
     from duhamel.solver.model.bodies import RigidBody
+    from duhamel.solver.model.fmus import FMU
     from duhamel.superelement import Superelement
 
     __version__: str
@@ -69,6 +70,7 @@ _MODULES = (
     *("motions", "motors", "signals", "springs", "stops"),
 )
 _NAMES = {
+    "FMU": "solver.model.fmus",
     "Beam": "parts",
     "Material": "preprocess.body.material",
     "Mechanism": "mechanism",
@@ -87,6 +89,7 @@ _NAMES = {
 """names by the modules that they come from"""
 
 __all__ = [
+    "FMU",
     "Beam",
     "Material",
     "Mechanism",

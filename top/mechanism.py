@@ -24,7 +24,10 @@ from .runs import Run
 if TYPE_CHECKING:
     from duhamel import fmu
 
-MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
+MODEL_GROUPS = (
+    *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
+    "fmus",
+)
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
 AnyPart = TypeVar(
@@ -41,6 +44,7 @@ AnyPart = TypeVar(
         | solver.Stop
         | solver.Motor
         | solver.Coupler
+        | solver.FMU
     ),
 )
 """what acts between bodies"""
@@ -259,7 +263,7 @@ class Mechanism:
         ----------
         what
             A `Superelement` or the path of its file, a `RigidBody`; or a joint, spring, load,
-            contact, stop, motor, coupler or motion, which take no other argument than `name`.
+            contact, stop, motor, coupler, motion or FMU, which take no other argument than `name`.
         name : str
             By which results know it. Without one bodies have that of their part, and the rest is
             numbered, as "revolute 2".
@@ -622,5 +626,5 @@ def _body(
         )
     raise solver.ModelError(
         "expected a Superelement, a RigidBody, or a joint, load, spring, contact, stop, motor, "
-        f"coupler or motion, found {quoted(what)}"
+        f"coupler, motion or FMU, found {quoted(what)}"
     )

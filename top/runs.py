@@ -46,8 +46,8 @@ class Run:
     """The motion of a mechanism over time.
 
     `run["rod"]` is the motion of a body, `run["rod.tip"]` that of a frame, `run["hinge"]` a joint,
-    spring, contact, stop, motor, coupler, sensor or load pattern. All arrays have a row for each
-    recorded step, at the times of `run.time`.
+    spring, contact, stop, motor, coupler, FMU, sensor or load pattern. All arrays have a row for
+    each recorded step, at the times of `run.time`.
 
     Examples
     --------
@@ -157,6 +157,7 @@ class Run:
             (results.sensors, results.sensor),
             (results.couplers, results.coupler),
             (results.motors, results.motor),
+            (results.fmus, results.fmu),
             (results.stops, results.stop),
             (results.contacts, results.contact),
             (results.surface_contacts, results.surface_contact),

@@ -142,7 +142,7 @@ def unit_of_input(model: Model, name: str) -> str:
 
     "1" where they are several, or where it is not known.
     """
-    units = set(_units_of_input(model, name))
+    units = {unit if unit in INPUT_UNITS else "1" for unit in _units_of_input(model, name)}
     return units.pop() if len(units) == 1 else "1"
 
 
@@ -152,7 +152,7 @@ def _units_of_input(model: Model, name: str) -> Iterator[str]:
 
     for load in model.loads:
         if is_it(load.signal):
-            yield getattr(load, "unit", "1")
+            yield load.unit
     joints = {joint.name: joint for joint in model.joints}
     for motor in model.motors:
         turns = joints[motor.joint].unit(motor.coordinate) == "rad"
