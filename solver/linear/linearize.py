@@ -204,6 +204,13 @@ def linearize(model: Model, rotation: SteadyRotation | None = None) -> LinearMod
             ValidityWarning,
             stacklevel=2,
         )
+    if model.fmus:
+        warnings.warn(
+            f"{', '.join(fmu.owner for fmu in model.fmus)}: linear analyses leave FMUs out; what "
+            "they give are inputs",
+            ValidityWarning,
+            stacklevel=2,
+        )
     with about(model.path):
         # Evaluated now, so that a model that cannot be linearized fails here and not later.
         _ = linear.equations
