@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from ...inputs import quoted
 from ...inputs.errors import did_you_mean
 from ..errors import ModelError
-from ..model.fmus import FMU, Start
+from ..model.fmus import FMU, StartValue
 from .fmpy import fmpy
 
 REAL_TYPES = ("Real", "Float64", "Float32")
@@ -26,7 +26,7 @@ DERIVATIVES_OF_FMI_3 = "providesDirectionalDerivatives"
 
 
 @dataclass(frozen=True)
-class Variable:
+class FMUVariable:
     """A variable of an FMU by its number (value reference) and type."""
 
     name: str
@@ -50,9 +50,9 @@ class Description:
     saves: bool
     serializes: bool
     derives: bool
-    inputs: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
-    parameters: tuple[tuple[Variable, Start], ...]
+    inputs: tuple[FMUVariable, ...]
+    outputs: tuple[FMUVariable, ...]
+    parameters: tuple[tuple[FMUVariable, StartValue], ...]
 
 
 def read_description(fmu: FMU) -> Description:
@@ -61,6 +61,7 @@ def read_description(fmu: FMU) -> Description:
     whole = found.coSimulation
     if whole is None:
         raise _error(fmu, "expected co-simulation, found model exchange alone")
+    # Such an FMU starts another program, which may need a license and a screen.
     if whole.needsExecutionTool:
         tool = found.generationTool or "the tool that wrote it"
         raise _error(
@@ -94,6 +95,7 @@ def _read(fmu: FMU) -> tuple[Any, list[str], bool]:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     except (zipfile.BadZipFile, KeyError, ElementTree.ParseError, OSError) as error:
         raise _error(fmu, f"expected an FMU, found {_in_words(error)}") from error
+    # Before FMPy, which takes FMI 1 for its own.
     version = root.get("fmiVersion", "")
     if not (version == "2.0" or version.startswith("3.")):
         raise _error(fmu, f"expected FMI 2 or 3, found {version or 'no version'}")
@@ -119,12 +121,14 @@ def _check_platform(fmu: FMU, version: int, identifier: str, names: Iterable[str
     own = library.platform if version == 2 else library.platform_tuple
     if f"binaries/{own}/{identifier}{library.sharedLibraryExtension}" in names:
         return
+    # What there is instead tells whom to ask for another export.
     parts = [name.split("/") for name in names if name.startswith("binaries/")]
     found = ", ".join(sorted({part[1] for part in parts if len(part) > 2 and part[2]}))
     raise _error(fmu, f"expected a library for {own}, found {found or 'none'}")
 
 
 def _own_step(found: Any) -> float | None:
+    # FMI 3 alone has a fixed step; a default experiment may be without one.
     fixed = getattr(found.coSimulation, "fixedInternalStepSize", None)
     experiment = found.defaultExperiment
     text = fixed or (experiment.stepSize if experiment is not None else None)
@@ -132,7 +136,7 @@ def _own_step(found: Any) -> float | None:
     return step if step > 0.0 and isfinite(step) else None
 
 
-def _number(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, Any]) -> Variable:
+def _number(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, Any]) -> FMUVariable:
     """A variable that is one real number."""
     found = _variable(fmu, key, causality, name, known)
     if found.type not in REAL_TYPES or found.dimensions:
@@ -141,7 +145,7 @@ def _number(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, A
             f"{key}: {name}: expected a real number (Real, Float64 or Float32), found {kind} in "
             f"{fmu.file}"
         )
-    return Variable(name, int(found.valueReference), found.type)
+    return FMUVariable(name, int(found.valueReference), found.type)
 
 
 def _variable(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str, Any]) -> Any:
@@ -167,8 +171,8 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _parameter(
-    fmu: FMU, name: str, start: Start, known: Mapping[str, Any]
-) -> tuple[Variable, Start]:
+    fmu: FMU, name: str, start: StartValue, known: Mapping[str, Any]
+) -> tuple[FMUVariable, StartValue]:
     found = _variable(fmu, "parameters", "parameter", name, known)
     fits, expected = {
         TRUTH_TYPE: (isinstance(start, bool), "true or false"),
@@ -179,14 +183,15 @@ def _parameter(
     if not fits or found.dimensions:
         kind = f"an array of {found.type}" if found.dimensions else found.type
         raise fmu.error(f"parameters: {name}: expected {expected} ({kind}), got {quoted(start)}")
-    return Variable(name, int(found.valueReference), found.type), start
+    return FMUVariable(name, int(found.valueReference), found.type), start
 
 
-def _is_whole(start: Start) -> bool:
+def _is_whole(start: StartValue) -> bool:
+    # In Python a bool is an int.
     return isinstance(start, int) and not isinstance(start, bool)
 
 
-def _is_real(start: Start) -> bool:
+def _is_real(start: StartValue) -> bool:
     return isinstance(start, int | float) and not isinstance(start, bool)
 
 

@@ -23,9 +23,9 @@ from ..step.record import record
 from ..step.system import Inputs, Output, Run, State, System, Workspace
 from .unit import Unit
 
-COMPONENT = re.compile(r"(?P<name>.*)\[(?P<number>[1-9]\d*)\]")
+COMPONENT_OF_OUTPUT = re.compile(r"(?P<name>.*)\[(?P<number>[1-9]\d*)\]")
 """one of several numbers of an output of a step"""
-SERIALIZED = "fmu"
+SERIALIZED_STATE = "fmu"
 """the name of the state of an FMU among the arrays that a run carries on"""
 
 
@@ -111,6 +111,7 @@ class Exchange:
                 self._failure = failure
                 return done, residual, False
             first = int(self._state.step[0])
+            # Communication points are multiples of the longer step: both sizes end there.
             k = min(n - done, *(unit.until_due(first) // stride for unit in self._units))
             rows, steps = slice(done, done + k), first + stride * np.arange(1, k + 1)
             self.fill(inputs, rows, steps)
@@ -118,6 +119,7 @@ class Exchange:
             taken, residual, failed = phases.advance(part)
             self.keep(output, part.row[:taken], steps[:taken])
             done += taken
+            # With one step to a part, a part may be whole though the loop stopped.
             if taken < k or failed or self._must_stop():
                 return done, residual, failed
         return done, residual, False
@@ -154,7 +156,7 @@ class Exchange:
         arrays: dict[str, Array | Index] = {}
         for unit in self._units:
             arrays |= {f"{unit.fmu.name}/{key}": one.copy() for key, one in unit.memory.items()}
-            arrays[f"{unit.fmu.name}/{SERIALIZED}"] = unit.instance.serialized()
+            arrays[f"{unit.fmu.name}/{SERIALIZED_STATE}"] = unit.instance.serialized()
         return arrays
 
     def resume(self, arrays: Arrays) -> None:
@@ -169,7 +171,7 @@ class Exchange:
             for unit in self._units
             for key, array in unit.memory.items()
         }
-        states = {f"{unit.fmu.name}/{SERIALIZED}": unit for unit in self._units}
+        states = {f"{unit.fmu.name}/{SERIALIZED_STATE}": unit for unit in self._units}
         if missing := sorted(states.keys() - arrays.keys()):
             raise StateError(f"state: expected the states of FMUs, found none of {missing[0]}")
         own = {name: array for name, array in arrays.items() if name not in states}
@@ -194,6 +196,7 @@ class Exchange:
 def _with_own_gains(lowered: LoweredModel) -> LoweredModel:
     """The model with copies of the gains of its motors, which slopes of FMUs may change."""
     motors = lowered.system.couplings.laws.motors
+    # The model's own are part of the identity of a state, and must stay.
     own = motors.replace(stiffness=motors.stiffness.copy(), damping=motors.damping.copy())
 
     def changed(system: System) -> System:
@@ -216,12 +219,13 @@ def _rows(inputs: Inputs, rows: slice) -> Inputs:
 def _source(fmu: FMU, pair: tuple[str, str], lowered: LoweredModel, row: Output) -> Array:
     """The view (1,) of an output of a step that an input of an FMU takes."""
     variable, name = pair
-    match = COMPONENT.fullmatch(name)
+    match = COMPONENT_OF_OUTPUT.fullmatch(name)
     key = match["name"] if match else name
     known = available(lowered)
     if key not in known:
         raise fmu.error(f"inputs: {variable}: no output {name!r}{did_you_mean(key, known, n=3)}")
     numbers = [view[i : i + 1] for view in views(lowered, key, row) for i in range(len(view))]
+    # The first of several would be a guess.
     if match is None and len(numbers) != 1:
         raise fmu.error(
             f"inputs: {variable}: {name!r} has {len(numbers)} numbers: expected one of them, "

@@ -12,16 +12,16 @@ import numpy as np
 
 from ..arrays import Array, Index
 from ..errors import ModelError
-from .description import REAL_TYPES, WHOLE_TYPES, Description, Variable
+from .description import REAL_TYPES, WHOLE_TYPES, Description, FMUVariable
 from .fmpy import fmpy
 
 LOG_LINES, LOG_LINE_LENGTH = 5, 300
 """of the log of an FMU, at the end of a message"""
-FATAL = 4
+FATAL_STATUS = 4
 """the status after which no function of the FMU may be called"""
 
 
-class Instance:
+class FMUInstance:
     """A loaded FMU, from before its initialization to its end, `close`.
 
     All calls raise `ModelError` with the time and the last lines of the log of the FMU.
@@ -70,6 +70,7 @@ class Instance:
 
     def outputs(self) -> Array:
         """The outputs (n,) at the present time."""
+        # Checked here: Newton's method would fail with no word of the FMU.
         with self._calls("cannot give its outputs"):
             values = self._get(self.description.outputs)
         if not np.isfinite(values).all():
@@ -122,7 +123,7 @@ class Instance:
         """End the FMU and remove its folder; a second call does nothing."""
         loaded, self._loaded = self._loaded, None
         # Each by itself: an FMU that has failed may refuse any of them.
-        if loaded is not None and loaded.component and self._failed != FATAL:
+        if loaded is not None and loaded.component and self._failed != FATAL_STATUS:
             if self._runs and not self._failed:
                 with suppress(Exception):
                     loaded.terminate()
@@ -183,7 +184,7 @@ class Instance:
         for kind, numbers, references in _by_type(self.description.inputs):
             getattr(self._loaded, f"set{kind}")(references, values[numbers].tolist())
 
-    def _get(self, variables: Sequence[Variable]) -> Array:
+    def _get(self, variables: Sequence[FMUVariable]) -> Array:
         values = np.zeros(len(variables))
         for kind, numbers, references in _by_type(variables):
             values[numbers] = getattr(self._loaded, f"get{kind}")(references)
@@ -212,7 +213,7 @@ def _check_step(event: bool, ends: bool, early: bool, reached: float) -> None:
         raise ModelError(f"it returned early, at t = {reached:.9g} s")
 
 
-def _by_type(variables: Sequence[Variable]) -> Iterator[tuple[str, list[int], list[int]]]:
+def _by_type(variables: Sequence[FMUVariable]) -> Iterator[tuple[str, list[int], list[int]]]:
     """Type, places and references of the variables of each type."""
     for kind in dict.fromkeys(one.type for one in variables):
         chosen = [(i, one.reference) for i, one in enumerate(variables) if one.type == kind]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..model.fmus import FMU, Reaction
-from .instance import Instance
+from .instance import FMUInstance
 
 # steps after which slopes are measured again in any case
 MAX_AGE = 64
@@ -31,7 +31,7 @@ class Slopes:
     reactions: on which motors; `gains` (n, 2): the slopes by the coordinate and by its rate.
     """
 
-    def __init__(self, instance: Instance, reactions: Sequence[Reaction]) -> None:
+    def __init__(self, instance: FMUInstance, reactions: Sequence[Reaction]) -> None:
         self._instance, self.reactions = instance, tuple(reactions)
         description = instance.description
         inputs = [one.name for one in description.inputs]
@@ -53,7 +53,7 @@ class Slopes:
         return [self.gains, self._table, self._pace]
 
     def step(self, t: float, h: float, before: Array, inputs: Array, start: Array) -> Array:
-        """A step as `Instance.step` takes it, and the slopes over it.
+        """A step as `FMUInstance.step` takes it, and the slopes over it.
 
         before: inputs (n,) of the last step; start: outputs (n,) at its end.
         """
@@ -114,7 +114,7 @@ class Slopes:
             self.gains[k] = [self._table[output, i] if i >= 0 else 0.0 for i in pair]
 
 
-def check_slopes(fmu: FMU, instance: Instance) -> None:
+def check_slopes(fmu: FMU, instance: FMUInstance) -> None:
     """ModelError for an FMU whose slopes cannot be known."""
     description = instance.description
     if not (description.saves or description.derives):

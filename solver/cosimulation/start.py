@@ -40,9 +40,11 @@ def start_beside(
                 "simulation: start: the run that it starts from has FMUs, whose states go on only "
                 "where that run is continued (--continue)"
             )
+        # At first beside the start without them: they need its coordinates, not its forces.
         exchange.bind(initial.state, initial.work)
         values = exchange.start()
         declared = {name: value for name, value in _inputs(model).items() if name in values}
+        # Equilibrium would move with the force, and the FMU with the equilibrium.
         if source is not None or model.settings.start == "equilibrium":
             exchange.begin_from(declared)
             if values != declared:
@@ -59,11 +61,13 @@ def start_beside(
 
 def _started_with(values: Mapping[str, float], lowered: LoweredModel) -> InitialState:
     """The start with other values of inputs, by name; the model stays as it is declared."""
+    # A start of its own: forces at t = 0 are in accelerations, histories and works.
     changed: Model = _with_values(lowered.model, values)
     other = replace(lowered, model=changed)
     loads: list[Signal] = [load.signal for load in other.loads]
     motors: list[Signal] = [signal for motor in changed.motors for signal in motor.signals]
     begun = initialize(changed, replace(other, load_signals=loads, motor_signals=motors))
+    # States of a run belong to the model as its file has it.
     return replace(begun, lowered=replace(begun.lowered, model=lowered.model))
 
 

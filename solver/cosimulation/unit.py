@@ -13,14 +13,14 @@ from ..signals.curves import Input
 from ..step.records.laws import Motors
 from ..step.system import Inputs, Output
 from .description import read_description
-from .instance import Instance
+from .instance import FMUInstance
 from .slope import Slopes, check_slopes
 
 # relative, of a ratio of steps: both are decimal numbers
-STEP_ROUNDING = 1e-9
+RATIO_ROUNDING = 1e-9
 
 
-class Follower(NamedTuple):
+class InputColumn(NamedTuple):
     """What follows an output: a column of `load` or `motor` in the inputs of a step."""
 
     output: int
@@ -49,7 +49,7 @@ class Unit:
         """inputs at the last communication point"""
         self._point = np.full(1, -1.0)
         """the step of that point"""
-        self.instance = Instance(description)
+        self.instance = FMUInstance(description)
         self._slopes: Slopes | None = None
         try:
             if fmu.coupling == "slope":
@@ -74,6 +74,7 @@ class Unit:
 
     def exchange(self, step: int) -> None:
         """Give the FMU the present outputs of the model, and let it step, at its points."""
+        # After a restart in the middle of an interval the FMU is ahead already.
         if not self.is_due(step):
             return
         inputs, t, h = self._gathered(), step * self._h, self.steps * self._h
@@ -165,13 +166,13 @@ def _communication_steps(fmu: FMU, own: float | None, lowered: LoweredModel) -> 
 
 
 def _is_whole(ratio: float) -> bool:
-    return abs(ratio - round(ratio)) <= STEP_ROUNDING * ratio
+    return abs(ratio - round(ratio)) <= RATIO_ROUNDING * ratio
 
 
-def _followers(fmu: FMU, lowered: LoweredModel) -> Iterator[Follower]:
+def _followers(fmu: FMU, lowered: LoweredModel) -> Iterator[InputColumn]:
     """The columns of the inputs of a step that follow the outputs of an FMU."""
     outputs = {name: number for number, name in enumerate(fmu.outputs.values())}
     for kind, signals in (("load", lowered.load_signals), ("motor", lowered.motor_signals)):
         for column, signal in enumerate(signals):
             if isinstance(signal, Input) and signal.name in outputs:
-                yield Follower(outputs[signal.name], kind, column)
+                yield InputColumn(outputs[signal.name], kind, column)

@@ -15,24 +15,26 @@ from ..schema.values import Name, PositiveTime
 from ..signals.curves import Input
 from .loads import AnyLoad
 
-Start = bool | int | float | str
+StartValue = bool | int | float | str
 """the value of a parameter of an FMU"""
-RATE = "_rate"
+RATE_SUFFIX = "_rate"
 """the end of the name of the rate of a joint coordinate"""
 
 
 def _texts(value: Any) -> dict[str, str]:
     texts = dict(value)
+    # Numbers and nested tables would pass as mappings, and fail far from here.
     if not all(isinstance(text, str) and text for pair in texts.items() for text in pair):
         raise TypeError
     return texts
 
 
-def _starts(value: Any) -> dict[str, Start]:
+def _starts(value: Any) -> dict[str, StartValue]:
     starts = dict(value)
     for name, start in starts.items():
         if not isinstance(name, str) or not isinstance(start, bool | int | float | str):
             raise TypeError
+        # Whole numbers may be enumerations or counts of any size; floats follow the rule of models.
         if isinstance(start, float):
             real(start)
     return starts
@@ -41,7 +43,7 @@ def _starts(value: Any) -> dict[str, Start]:
 _START = Annotated[bool | int | float | str, Shown(dict)]
 Texts = Annotated[Mapping[str, str], FieldSpec("a table of names by names", _texts, dict[str, str])]
 Starts = Annotated[
-    Mapping[str, Start],
+    Mapping[str, StartValue],
     FieldSpec("a table of numbers, texts or true and false", _starts, dict[str, Any]),
 ]
 
@@ -105,8 +107,10 @@ class FMU(Entry):
         if not Path(self.file).is_file():
             raise self.error(f"file: {self.file}: no such file")
         for name in self.outputs.values():
+            # Results name what an FMU gives by it, in paths and files.
             if not is_name(name):
                 raise self.error(f"outputs: expected {FORM_OF_NAMES}, got {quoted(name)}")
+        # Read at once: the state of a run belongs to the FMU as it was then.
         try:
             object.__setattr__(self, "digest", sha256(self.file))
         except OSError as error:
@@ -131,7 +135,7 @@ def reactions(fmu: FMU, motors: Sequence[Motor]) -> Iterator[Reaction]:
     for number, motor in enumerate(motors):
         signal = motor.torque or motor.force
         coordinate = f"joints/{motor.joint}/{motor.coordinate}"
-        angle, rate = (variables.get(f"{coordinate}{end}", "") for end in ("", RATE))
+        angle, rate = (variables.get(f"{coordinate}{end}", "") for end in ("", RATE_SUFFIX))
         if isinstance(signal, Input) and (angle or rate):
             for output, name in fmu.outputs.items():
                 if name == signal.name:
@@ -174,6 +178,7 @@ def _check_slope(fmu: FMU, motors: Sequence[Motor]) -> None:
         )
     for reaction in found:
         motor = motors[reaction.motor]
+        # The slope takes the places of the gains and the reference of the motor.
         if motor.is_servo:
             raise fmu.error(
                 f'coupling: "slope" needs a motor with a torque or force alone, found gains of '

@@ -129,6 +129,7 @@ def _channel_axes(model: Model) -> dict[str, Axis]:
 
 def _fmu_axes(model: Model) -> dict[str, Axis]:
     """The entries of FMUs and of the inputs that they give."""
+    # By inputs, not by variables of the FMU: those may have dots, which divide names of entries.
     given = [(fmu.name, name) for fmu in model.fmus for name in fmu.outputs.values()]
     units = [INPUT_UNITS.index(unit_of_input(model, name)) for _, name in given]
     return {

@@ -18,7 +18,7 @@ from duhamel.solver import (
     Torque,
     simulate,
 )
-from duhamel.solver.cosimulation.instance import Instance
+from duhamel.solver.cosimulation.instance import FMUInstance
 
 from .controller_fmu import controller
 from .test_fmus import INPUTS, H, driven, hub
@@ -206,6 +206,6 @@ def test_folders_of_fmus_go_where_a_run_is_interrupted(drive, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Instance, "step", interrupted)
+    monkeypatch.setattr(FMUInstance, "step", interrupted)
     with pytest.raises(KeyboardInterrupt):
         simulate(driven(drive))

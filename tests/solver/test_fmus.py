@@ -31,7 +31,7 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
-from duhamel.solver.cosimulation.instance import Instance
+from duhamel.solver.cosimulation.instance import FMUInstance
 
 from .controller_fmu import controller
 from .test_restart import assert_same
@@ -40,7 +40,7 @@ H, J = 6e-5, 0.019
 INPUTS = {"angle": "joints/pivot/angle", "rate": "joints/pivot/angle_rate"}
 GAINS = ((50.0, 0.5), (500.0, 20.0), (500.0, 200.0), (500.0, 700.0), (500.0, 3000.0))
 """kp, kd: of damping times step over inertia 0.002, 0.06, 0.6, 2.2 and 9.5"""
-STEP = Instance.step
+STEP = FMUInstance.step
 LOST = 50.0
 """an angle that no stable controller of a turn of 1 rad reaches"""
 
@@ -146,7 +146,7 @@ def test_the_slope_is_measured_again_where_a_limit_changes_it(drive):
 def test_steady_slopes_cost_few_repeats(drive, monkeypatch):
     steps = []
     monkeypatch.setattr(
-        Instance, "step", lambda self, *given: (steps.append(given), STEP(self, *given))[1]
+        FMUInstance, "step", lambda self, *given: (steps.append(given), STEP(self, *given))[1]
     )
     angle(driven(drive, coupling="slope", parameters={"kp": 500.0, "kd": 20.0}))
     # Two inputs are changed each time, at first and then every 64 steps.
