@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from duhamel.fmu.library import PLATFORMS, compiler_of, own_platform
+from duhamel.fmu.library import FMI_PLATFORMS, compiler_of, own_platform
 
 HERE = Path(__file__).parent
 HEADERS = HERE.parents[1] / "fmu/c/fmi"
@@ -33,7 +33,7 @@ def library(version):
     names = set(re.findall(rf"(fmi{version}\w+)TYPE", header))
     there = set(re.findall(rf"fmi{version}\w+", source))
     there |= {f"fmi{version}{name}" for name in re.findall(r"F\((\w+)\)", source)}
-    platform = PLATFORMS[own_platform()]
+    platform = FMI_PLATFORMS[own_platform()]
     with TemporaryDirectory() as place:
         folder = Path(place)
         # Importers look all functions up: those that are missing fail when they are called.
@@ -65,7 +65,7 @@ def controller(
     tool=False,
 ):
     """Write the FMU of the controller, which offers what is asked for."""
-    own = PLATFORMS[own_platform()]
+    own = FMI_PLATFORMS[own_platform()]
     folder = platform or (own.name_2 if version == 2 else own_platform())
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", _description(version, locals()))

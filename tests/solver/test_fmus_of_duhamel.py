@@ -65,7 +65,7 @@ def file(coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("rotor") / "rotor.fmu"
     settings = Settings(t_end=STEPS * H, step=H)
     model = Model(bodies, joints=joints, motors=[shaft], settings=settings)
-    fmu.export(model, path, outputs=["motors/shaft/torque"])
+    fmu.export_fmu(model, path, outputs=["motors/shaft/torque"])
     return path
 
 
@@ -112,4 +112,4 @@ def test_it_goes_on_to_the_bit(coupled, tmp_path):
 
 def test_a_model_with_an_fmu_becomes_none_itself(coupled, tmp_path):
     with pytest.raises(fmu.FMUError, match="fmu 'rotor': an FMU cannot run another one"):
-        fmu.export(coupled, tmp_path / "all.fmu")
+        fmu.export_fmu(coupled, tmp_path / "all.fmu")
