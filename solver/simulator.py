@@ -22,6 +22,7 @@ from .history.uniform import UniformConvolution
 from .model.model import Model
 from .model.settings import Settings
 from .output.branches import Branches
+from .output.chatter import ENOUGH_STEPS, MIN_SWING_STEPS, chatters
 from .output.columns import axes_of, views
 from .output.events import waiting
 from .output.passages import check_passages, check_resolution
@@ -36,14 +37,8 @@ from .stepper import Stepper
 
 # Signals that are no inputs are sampled at once for so many steps, and inputs are checked as often.
 STEPS_AHEAD = 256
-# For `STEPS_AHEAD` steps white noise does not swing so fast by chance.
-MIN_SWING_STEPS = 2
-ENOUGH_STEPS = 128
-"""steps for which that is as good as sure, at the end of a run"""
 LAST, GROWTH = 8, 10.0
 """of the last steps before a failure, in which swings of an input grew by more than this factor"""
-# of the largest value of an input
-NEGLIGIBLE_SWING = 1e-6
 PAST_PREFIX = "past/"
 """names of the arrays of the convolution begin with it"""
 
@@ -309,7 +304,7 @@ class Simulator:
     def _check_inputs(self, enough: int) -> None:
         """Warn, once of each, of inputs that chattered in the last steps, if there are enough."""
         for name, values in zip(self.inputs, np.array(self._told).T, strict=False):
-            if len(values) >= enough and name not in self._chattering and _chatters(values):
+            if len(values) >= enough and name not in self._chattering and chatters(values):
                 self._chattering.add(name)
                 line = (
                     f"input {name!r} chatters: until t = {self.time:.6g} s it went up and down "
@@ -322,7 +317,7 @@ class Simulator:
         """The input that went up and down ever farther before a failure, "" if none did."""
         for name, values in zip(self.inputs, np.array(self._told)[-LAST:].T, strict=True):
             sizes = np.abs(np.diff(values))
-            if len(sizes) and _chatters(values) and sizes[-1] > GROWTH * sizes[0]:
+            if len(sizes) and chatters(values) and sizes[-1] > GROWTH * sizes[0]:
                 return (
                     f"input {name!r} goes up and down, ever farther: take smaller gains of its "
                     f"controller, or a smaller step"
@@ -346,19 +341,3 @@ class Simulator:
         self._next.load[0] = self._sampled.load[k]
         self._next.drive[0] = self._sampled.drive[k]
         self._next.motor[0] = self._sampled.motor[k]
-
-
-def _chatters(values: Array) -> bool:
-    """Whether an input (n,) keeps going up and down every `MIN_SWING_STEPS` steps, or sooner."""
-    changes = np.diff(values)
-    moving = np.flatnonzero(changes)
-    # Steps without a change are passed over: held inputs chatter too.
-    turns = moving[1:][np.diff(np.sign(changes[moving])) != 0.0]
-    if not len(turns) or np.diff(turns).max(initial=0) > MIN_SWING_STEPS:
-        return False
-    # It must chatter from the beginning of the window to its end.
-    if max(turns[0], len(changes) - turns[-1]) > 2 * MIN_SWING_STEPS:
-        return False
-    sizes = np.abs(changes)
-    first, last = sizes[: len(sizes) // 4].max(), sizes[-len(sizes) // 4 :].max()
-    return bool(last > max(0.5 * first, NEGLIGIBLE_SWING * np.abs(values).max()))

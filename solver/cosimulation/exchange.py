@@ -146,6 +146,10 @@ class Exchange:
             output.fmu_value[rows[kept], columns] = unit.values(steps[kept])
             unit.hide_references(output, rows[kept])
 
+    def warnings(self) -> list[str]:
+        """Lines about what FMUs gave until now."""
+        return [line for unit in self._units for line in unit.chattering()]
+
     def check_serializes(self, key: str) -> None:
         """ModelError for a key that needs states which an FMU cannot write."""
         for unit in self._units:

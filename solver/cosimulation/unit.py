@@ -1,5 +1,6 @@
 """An FMU of a model: what it gets and gives at communication points, and between them."""
 
+from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ from ..arrays import Array, Index
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..model.fmus import FMU, reactions
+from ..output.chatter import ENOUGH_STEPS, chatters
 from ..signals.curves import Input
 from ..step.records.laws import Motors
 from ..step.system import Inputs, Output
@@ -18,6 +20,8 @@ from .slope import Slopes, check_slopes
 
 # relative, of a ratio of steps: both are decimal numbers
 RATIO_ROUNDING = 1e-9
+# At its limits a controller that chatters stays for two exchanges each.
+SWING_EXCHANGES = 4
 
 
 class InputColumn(NamedTuple):
@@ -49,6 +53,8 @@ class Unit:
         """inputs at the last communication point"""
         self._point = np.full(1, -1.0)
         """the step of that point"""
+        self._given: deque[Array] = deque(maxlen=2 * ENOUGH_STEPS)
+        """its last outputs at communication points"""
         self.instance = FMUInstance(description)
         self._slopes: Slopes | None = None
         try:
@@ -87,6 +93,7 @@ class Unit:
             end = self._slopes.step(t, h, self._seen, inputs, self._raw)
         self._seen[:], self._end[:], self._raw[:] = inputs, end, end
         self._point[0] = step
+        self._given.append(end)
 
     def is_due(self, step: int) -> bool:
         """Whether this is a communication point that it has not stepped from."""
@@ -137,6 +144,17 @@ class Unit:
             ):
                 motors.stiffness[reaction.motor] = stiffness
                 motors.damping[reaction.motor] = damping
+
+    def chattering(self) -> Iterator[str]:
+        """A line for each output that went up and down at each exchange until now."""
+        advice = 'take coupling = "slope", ' if self._slopes is None else "take "
+        for name, values in zip(self.fmu.outputs, np.array(self._given).T, strict=False):
+            if len(values) >= ENOUGH_STEPS and chatters(values, SWING_EXCHANGES):
+                yield (
+                    f"{self.fmu.owner}: {name} chatters: it went up and down every "
+                    f"{SWING_EXCHANGES} exchanges or sooner, by {np.ptp(values[-8:]):.3g}, for "
+                    f"{len(values)} of them: {advice}smaller gains or a shorter step"
+                )
 
     @property
     def memory(self) -> dict[str, Array]:

@@ -161,12 +161,12 @@ class Model(Entry):
         return replace(self, settings=replace(self.settings, **changes))
 
     def without_surfaces(self) -> "Model":
-        """This mechanism without its contacts of surfaces, as linear analyses take it."""
+        """This mechanism without contacts of surfaces and FMUs, as linear analyses take it."""
         settings = self.settings
         if not (self.contacts or self.stops):
             # Nothing is left that short steps would be for.
             settings = replace(settings, contact_step=None)
-        return replace(self, surface_contacts=(), settings=settings)
+        return replace(self, surface_contacts=(), fmus=(), settings=settings)
 
     def frames_of(self, body: str) -> Mapping[str, Frame]:
         return self.ground_frames if body == GROUND else self.bodies[body].frames

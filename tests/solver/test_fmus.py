@@ -15,6 +15,7 @@ from duhamel.solver import (
     Impact,
     Input,
     Model,
+    ModelError,
     Motor,
     OutputRequest,
     Place,
@@ -22,11 +23,15 @@ from duhamel.solver import (
     RigidBody,
     Settings,
     Simulator,
+    Spring,
     Start,
+    StateError,
     Stop,
     Table,
     Torque,
     ValidityWarning,
+    check,
+    linearize,
     read_model,
     simulate,
     write_model,
@@ -113,6 +118,15 @@ def test_explicit_coupling_is_stable_up_to_twice_the_inertia_over_the_step(kp, k
     found = angle(driven(drive, 1500, parameters={"kp": kp, "kd": kd}))
     is_lost = not np.isfinite(found).all() or np.abs(found).max() > LOST
     assert is_lost == (kd * H / J > 2.0)
+
+
+def test_a_controller_that_goes_up_and_down_is_warned_of(drive):
+    parameters = {"kp": 500.0, "kd": 700.0, "limit": 1.0}
+    with pytest.warns(ValidityWarning, match=r"fmu 'drive': torque chatters: .*coupling = \"slope"):
+        simulate(driven(drive, 1500, parameters=parameters))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", ".*chatters")
+        angle(driven(drive, 1500, parameters={"kp": 50.0, "kd": 2.0}))
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -311,6 +325,33 @@ def test_fmus_run_beside_two_sizes_of_steps(coupling, drive):
     assert len(two.time) < 0.5 * len(fine.time)
     expected = np.interp(two.time, fine.time, fine.joint("pivot").angle)
     np.testing.assert_allclose(two.joint("pivot").angle, expected, atol=2e-3)
+
+
+def test_linear_analyses_leave_fmus_out_and_say_so(drive):
+    model = driven(drive, coupling="slope")
+    coil = Spring("coil", "torsion", ("ground", "hub"), axis=[0, 0, 1], stiffness=J)
+    with pytest.warns(ValidityWarning, match="fmu 'drive': linear analyses leave FMUs out"):
+        linear = linearize(replace(model, springs=[coil]))
+    assert 2.0 * np.pi * linear.modes().frequencies[0] == pytest.approx(1.0)
+    response = linear.frf(["tau"], ["coordinate:pivot:angle"], [1e-4])
+    assert abs(response.values[0, 0, 0]) == pytest.approx(1.0 / J, rel=1e-6)
+
+
+def test_the_file_of_an_fmu_belongs_to_the_state_of_a_run(tmp_path):
+    model = driven(controller(tmp_path / "drive.fmu", 3), 20, {"checkpoint": {"every": 5}})
+    simulate(model.with_settings(t_end=10 * H), output=tmp_path / "run.h5")
+    controller(tmp_path / "drive.fmu", 2)
+    other = driven(tmp_path / "drive.fmu", 20, {"checkpoint": {"every": 5}})
+    with pytest.raises(StateError, match=r"fmus.drive.file: was '"):
+        simulate(other, output=tmp_path / "run.h5", resume=True)
+
+
+def test_a_model_with_fmus_is_checked_by_its_first_steps(drive, tmp_path):
+    found = check(driven(drive, 300))
+    assert found.steps == 300
+    wrong = driven(drive, inputs={"angel": INPUTS["angle"]})
+    with pytest.raises(ModelError, match="no variable 'angel'"):
+        check(wrong)
 
 
 def test_a_model_with_fmus_is_written_and_read(drive, tmp_path):
