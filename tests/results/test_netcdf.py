@@ -47,6 +47,8 @@ def test_xarray_finds_dimensions_coordinates_and_units(written):
             "surface_node": 4,
             "stop": 2,
             "motor": 2,
+            "fmu": 1,
+            "fmu_input": 2,
             "coupler": 1,
             "contact_axis": 3,
             "tangent_axis": 2,

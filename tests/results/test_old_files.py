@@ -81,6 +81,7 @@ def everything(results):
         "pattern": results.patterns,
         "sensor": results.sensors,
         "motor": results.motors,
+        "fmu": results.fmus,
     }
     return [getattr(results, kind)(name) for kind, names in owners.items() for name in names]
 
