@@ -94,11 +94,23 @@ def read_responses(
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
-    if coherence is not None and not ((coherence >= 0.0) & (coherence <= MOST_COHERENCE)).all():
-        raise MeasurementError(f"{path}: coherence: expected numbers from 0 to 1, found others")
+    if coherence is not None:
+        _require_coherences(path, f, coherence)
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
     return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
+
+
+def _require_coherences(path: Path, f: Array, coherence: Array) -> None:
+    """`MeasurementError` names the first number that no coherence has, and its line."""
+    # Written so that NaN is none either.
+    wrong = np.argwhere(~((coherence >= 0.0) & (coherence <= MOST_COHERENCE)))
+    if len(wrong):
+        place = tuple(wrong[0])
+        raise MeasurementError(
+            f"{path}: coherence: expected numbers from 0 to 1, found {coherence[place]:.3g} at "
+            f"{f[place[0]]:g} Hz"
+        )
 
 
 def _of_arrays(
