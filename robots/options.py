@@ -1,0 +1,87 @@
+"""What a user chooses of an import beside the file of the robot."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+DEFAULT_STEP = 5e-4
+"""[s]: some 60 steps in a bounce off a stop of `STOP_FREQUENCY`"""
+STOP_FREQUENCY = 100.0
+"""[rad/s] of a stop with the largest inertia behind it, where nobody says how stiff it is"""
+STOP_RESTITUTION = 0.2
+"""of stops, of which robots say nothing: rubber, not steel"""
+
+
+@dataclass(frozen=True)
+class FlexibleLink:
+    """A superelement in place of a link, drawn in the axes of the link.
+
+    Parameters
+    ----------
+    file : Path
+    interfaces : mapping of str
+        The interface of each joint of the link, by the name of the joint.
+    """
+
+    file: Path
+    interfaces: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """How a robot becomes a model.
+
+    Parameters
+    ----------
+    base : {"fixed", "free"}
+        Whether the root link stands on the ground, or is a free body.
+    servo : (2,), optional [N m/rad, N m s/rad]
+        Stiffness and damping of a servo at each joint that mimics none.
+    flexible : mapping of FlexibleLink
+        By link.
+    state : mapping of float [rad, m]
+        Coordinates at the start, by joint; others start at 0.
+    stop_stiffness : float, optional [N m/rad, N/m]
+        Of all stops.
+    packages : sequence of Path
+        Folders in which package://NAME is looked for, before those around the file.
+    t_end, step : float [s]
+    gear_ratio : float
+        Of the rotors by which armatures of MJCF are modeled.
+
+    Examples
+    --------
+    >>> ImportOptions(servo=(500.0, 20.0)).base
+    'fixed'
+    """
+
+    base: Literal["fixed", "free"] = "fixed"
+    servo: tuple[float, float] | None = None
+    flexible: Mapping[str, FlexibleLink] = field(default_factory=dict)
+    state: Mapping[str, float] = field(default_factory=dict)
+    stop_stiffness: float | None = None
+    packages: Sequence[Path] = ()
+    t_end: float = 1.0
+    step: float = DEFAULT_STEP
+    gear_ratio: float = 100.0
+
+    def __post_init__(self) -> None:
+        """`ValueError` for numbers that no model takes."""
+        positive = {
+            "stop_stiffness": self.stop_stiffness,
+            "t_end": self.t_end,
+            "step": self.step,
+            "gear_ratio": self.gear_ratio,
+        }
+        for key, value in positive.items():
+            if value is not None and not 0.0 < value < math.inf:
+                raise ValueError(f"{key}: expected a positive number, got {value:g}")
+        if self.servo is not None and not all(0.0 <= gain < math.inf for gain in self.servo):
+            raise ValueError(f"servo: expected two gains of at least 0, got {self.servo}")
+        if self.servo is not None and not any(self.servo):
+            raise ValueError("servo: expected a gain above 0, got two zeros")
+        for joint, value in self.state.items():
+            if not math.isfinite(value):
+                raise ValueError(f"state: {joint}: expected a number, got {value:g}")
