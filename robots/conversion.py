@@ -1,5 +1,6 @@
 """A robot as the tables of a model file."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,7 +31,10 @@ class Conversion:
 
 
 def convert(
-    robot: Robot, options: ImportOptions, folder: Path, shaped: Callable[[ModelBody], list[str]]
+    robot: Robot,
+    options: ImportOptions,
+    folder: Path,
+    shaped: Callable[[ModelBody, Tree], list[str]],
 ) -> Conversion:
     """The parts of the model of a robot, for a file in a folder.
 
@@ -45,7 +49,7 @@ class _Converter:
     robot: Robot
     options: ImportOptions
     folder: Path
-    shaped: Callable[[ModelBody], list[str]]
+    shaped: Callable[[ModelBody, Tree], list[str]]
     remarks: list[str] = field(default_factory=list)
 
     def convert(self) -> Conversion:
@@ -64,8 +68,9 @@ class _Converter:
             *joint_sections,
             *self._acting(tree, joints, names),
         ]
-        self.remarks = [*robot.left_out, *self.remarks]
-        return Conversion(bodies, list(joints.values()), sections, self.remarks)
+        counts = Counter([*robot.left_out, *self.remarks])
+        remarks = [f"{what} ({n} times)" if n > 1 else what for what, n in counts.items()]
+        return Conversion(bodies, list(joints.values()), sections, remarks)
 
     def _check_options(self, tree: Tree) -> None:
         """`RobotError` for links and joints that the options name and the robot has not."""
@@ -106,7 +111,7 @@ class _Converter:
                 for line in body.above:
                     if line.startswith("principal"):
                         self._remark(f"link {first!r}: {line}")
-                self.remarks += self.shaped(body)
+                self.remarks += self.shaped(body, tree)
             bodies[first] = body
         if self.options.base == "fixed":
             self._ground_remarks(bodies[GROUND])

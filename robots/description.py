@@ -128,7 +128,7 @@ class Actuator:
 class Robot:
     """All links and joints of a file, in its order.
 
-    left_out: what the file has and no model takes, in words.
+    left_out: what the file has and no model takes, in words; as often as it has it.
     """
 
     name: str

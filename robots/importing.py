@@ -1,9 +1,12 @@
 """From the file of a robot to a model file."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..files import renamed_when_whole, require_no_input
+from ..files.outputs import in_words
 from ..solver import ModelError, read_model
 from .bodies import ModelBody
 from .conversion import Conversion, convert
@@ -11,6 +14,7 @@ from .document import document_of
 from .errors import RobotError
 from .options import ImportOptions
 from .reading import read_robot
+from .shapes import Shaper
 
 
 @dataclass(frozen=True)
@@ -77,17 +81,36 @@ def import_robot(
     options = options or ImportOptions()
     require_no_input(target, [source], "the robot", "model")
     robot = read_robot(source)
-    conversion = convert(robot, options, target.parent, lambda body: [])
+    shaper = Shaper(robot, target, options.packages)
+    conversion = convert(robot, options, target.parent, shaper.give_shape)
     if len(conversion.bodies) == 1:
         raise RobotError(
             f"{source}: expected a joint that moves, or --base free: nothing of the robot would be "
             "a body"
         )
     text = document_of(_head(robot.name, source, conversion), conversion.sections)
-    with renamed_when_whole(target, failure=RobotError) as temporary:
+    with _removed_unless_whole(shaper), renamed_when_whole(target, failure=RobotError) as temporary:
+        shaper.write()
         temporary.write_text(text, encoding="utf-8")
         _require_readable(temporary, target)
     return _counted(target, conversion)
+
+
+@contextmanager
+def _removed_unless_whole(shaper: Shaper) -> Iterator[None]:
+    """Remove shapes whose model is not written, unless they were there before."""
+    new = [path for path in shaper.facets if not path.exists()]
+    new_folder = not shaper.folder.exists()
+    try:
+        yield
+    except BaseException as error:
+        for path in new:
+            path.unlink(missing_ok=True)
+        if new_folder and shaper.folder.is_dir() and not any(shaper.folder.iterdir()):
+            shaper.folder.rmdir()
+        if isinstance(error, OSError):
+            raise RobotError(f"{shaper.folder}: cannot be written: {in_words(error)}") from error
+        raise
 
 
 def _head(name: str, source: Path, conversion: Conversion) -> list[str]:

@@ -22,9 +22,8 @@ class LeftOut:
     remarks: list[str] = field(default_factory=list)
 
     def lines(self) -> tuple[str, ...]:
-        """A line for each kind of element, then all remarks."""
-        counted = (f"{what} ({n})" if n > 1 else what for what, n in self.counts.items())
-        return (*counted, *self.remarks)
+        """What was counted, then all remarks."""
+        return (*self.counts.elements(), *self.remarks)
 
 
 @dataclass(frozen=True)
@@ -52,10 +51,10 @@ class Node:
         """This node, once what nobody reads of it is counted."""
         for name in self.element.keys():
             if name not in attributes and name not in silent and ":" not in name:
-                self.left_out.remarks.append(f"{self.where}: attribute {name!r}")
+                self.left_out.counts[f"attribute {name!r} of <{self.element.tag}>"] += 1
         for child in self.element:
             if child.tag not in elements and child.tag not in silent:
-                self.left_out.counts[f"elements <{child.tag}> of <{self.element.tag}>"] += 1
+                self.left_out.counts[f"<{child.tag}> of <{self.element.tag}>"] += 1
         return self
 
     def child(self, tag: str) -> "Node | None":

@@ -26,6 +26,7 @@ TYPES: Mapping[str, JointType] = {
     "floating": "floating",
 }
 """joints of URDF by those of a description; a continuous one is a revolute one without limits"""
+COLLISIONS = "collision geometry: give [[contacts]] where parts touch"
 XACRO_MARKS = "${", "$("
 """what values of xacro files begin with, before they are expanded"""
 
@@ -66,9 +67,6 @@ def _link(node: Node) -> Link:
     inertial = node.child("inertial")
     visuals = tuple(visual for each in node.each("visual") if (visual := _visual(each)))
     return Link(node.name, None if inertial is None else _inertial(inertial), visuals)
-
-
-COLLISIONS = "collision geometry: give [[contacts]] where parts touch"
 
 
 def _inertial(node: Node) -> Inertial | None:
