@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from ..superelement import Superelement
 from .description import Inertial, Robot
 from .document import Section, table_head, tidy
 from .errors import RobotError
-from .inertia import as_of_a_body, composite, in_space, require_positive
+from .inertia import as_of_a_body, composite, in_space, require_physical, require_positive
 from .names import Names
 from .poses import HERE, Pose, rotation_vector
 from .tree import GROUND, Tree
@@ -95,19 +96,15 @@ def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> Mod
     `RobotError` for a body without mass or with an inertia that no body has.
     """
     first = links[0]
-
-    def error(message: str) -> RobotError:
-        others = f" with {', '.join(map(repr, links[1:]))}" if len(links) > 1 else ""
-        return RobotError(f"{robot.path}: link {first!r}{others}: {message}")
+    error = partial(_error, robot, first)
 
     axes = tree.pose[first]
-    inertials = {link: robot.links[link].inertial for link in links}
-    parts = [
-        in_space(inertial, axes.relative(tree.pose[link]))
-        for link, inertial in inertials.items()
-        if inertial is not None
-    ]
-    if not parts:
+    inertials = {link: one for link in links if (one := robot.links[link].inertial) is not None}
+    for link, inertial in inertials.items():
+        # One of them that is impossible would hide among the others.
+        require_physical(inertial, partial(_error, robot, link))
+    parts = [in_space(each, axes.relative(tree.pose[link])) for link, each in inertials.items()]
+    if not sum(part.mass for part in parts):
         raise error("moves without a mass: give it an <inertial>, or make its joint fixed")
     whole = composite(parts)
     require_positive(whole.inertia, error)
@@ -118,3 +115,7 @@ def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> Mod
         masses = " + ".join(f"{robot.links[link].mass:g}" for link in links)
         above.append(f"{', '.join(links)}: {masses} kg, one body by fixed joints")
     return ModelBody(name, pose, links, Inertial(whole.mass, np.zeros(3), J), above=above)
+
+
+def _error(robot: Robot, link: str, message: str) -> RobotError:
+    return RobotError(f"{robot.path}: link {link!r}: {message}")

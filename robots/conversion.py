@@ -14,6 +14,7 @@ from .errors import RobotError
 from .flexible import flexible_body, mass_difference
 from .names import Names
 from .options import ImportOptions
+from .rotors import rotor
 from .tree import GROUND, Tree, owners_of, tree_of
 
 
@@ -61,11 +62,18 @@ class _Converter:
         bodies = self._bodies(tree, owner, names)
         joints = self._joints(tree, owner, bodies, names)
         joint_sections = [each.section(tree, options.flexible) for each in joints.values()]
+        rotors = [
+            section
+            for each in joints.values()
+            if each.joint.armature and each.coordinate
+            for section in self._rotor(each, tree, names)
+        ]
         self._attach_links(tree, owner, bodies)
         sections = [
             self._simulation(),
             *(self._section(body) for body in bodies.values() if body.name != GROUND or body.frames),
             *joint_sections,
+            *rotors,
             *self._acting(tree, joints, names),
         ]
         counts = Counter([*robot.left_out, *self.remarks])
@@ -225,6 +233,12 @@ class _Converter:
         for each in joints.values():
             if each.joint.mimic is not None:
                 yield coupler(each, each.joint.mimic, joints[each.joint.mimic.joint])
+
+    def _rotor(self, joint: NamedJoint, tree: Tree, names: Names) -> Iterator[Section]:
+        if joint.parent.superelement is not None:
+            self._remark(f"joint {joint.joint.name!r}: armature, on a flexible link")
+            return
+        yield from rotor(joint, tree, self.options.gear_ratio, names)
 
     def _actuators(self, joints: Mapping[str, NamedJoint]) -> Iterator[Actuator]:
         yield from self.robot.actuators

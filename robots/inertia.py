@@ -10,6 +10,8 @@ from .poses import Pose
 
 # A zero of a point mass, computed by rotation, may be negative by a few roundings.
 ROUNDING = 1e-12
+NEGLIGIBLE_RADIUS = 1e-6
+"""[m] of gyration, below which a negative inertia of a point mass is that of rounding"""
 
 
 def in_space(inertial: Inertial, pose: Pose) -> Inertial:
@@ -41,10 +43,11 @@ def point_inertia(mass: float, r: Array) -> Array:
     return inertia
 
 
-def require_physical(J: Array, error: Callable[[str], Exception]) -> None:
+def require_physical(inertial: Inertial, error: Callable[[str], Exception]) -> None:
     """Raise the `error` of a negative principal inertia; a point mass has three zeros."""
-    principal = np.linalg.eigvalsh(J)
-    if principal[0] < -ROUNDING * abs(principal).max():
+    principal = np.linalg.eigvalsh(inertial.inertia)
+    rounding = max(ROUNDING * abs(principal).max(), inertial.mass * NEGLIGIBLE_RADIUS**2)
+    if principal[0] < -rounding:
         raise error(f"inertia: expected no negative principal value, got {_listed(principal)}")
 
 

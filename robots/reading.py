@@ -4,6 +4,7 @@ from pathlib import Path
 
 from .description import Robot
 from .errors import RobotError
+from .mjcf import read_mjcf
 from .urdf import read_urdf
 from .xml import read_xml
 
@@ -18,4 +19,6 @@ def read_robot(path: Path) -> Robot:
     root = read_xml(path)
     if root.tag == "robot":
         return read_urdf(path, root)
+    if root.tag == "mujoco":
+        return read_mjcf(path)
     raise RobotError(f"{path}: expected <robot> of URDF or <mujoco> of MJCF, found <{root.tag}>")

@@ -12,7 +12,6 @@ import numpy as np
 
 from .description import Geometry, Inertial, Joint, JointType, Link, Mimic, Robot, Visual
 from .errors import RobotError
-from .inertia import require_physical
 from .node import LeftOut, Node
 from .poses import HERE, Pose, by_fixed_axes, by_quaternion
 from .xml import elements
@@ -75,12 +74,10 @@ def _inertial(node: Node) -> Inertial | None:
     if mass < 0.0:
         raise node.error(f"mass: expected at least 0 kg, got {mass:g}")
     J = _inertia(node)
-    if mass == 0.0:
-        if J.any():
-            raise node.error("expected a mass above 0 kg with an inertia, got 0")
-        return None
     pose = _origin(node)
-    require_physical(J, node.error)
+    # Exporters write out links without any mass too.
+    if mass == 0.0 and not J.any():
+        return None
     return Inertial(mass, pose.p, pose.R @ J @ pose.R.T)
 
 
