@@ -55,12 +55,17 @@ class _Converter:
 
     def convert(self) -> Conversion:
         robot, options = self.robot, self.options
-        tree = tree_of(robot)
-        self._check_options(tree)
+        self._check_options()
+        starts = self._starts()
+        tree = tree_of(robot, starts)
+        if options.base == "fixed" and tree.root in options.flexible:
+            raise self._error(
+                f"flexible: link {tree.root!r} is the root, which stands on the ground"
+            )
         owner = owners_of(robot, tree, options.flexible, options.base == "free")
         names = Names([GROUND])
         bodies = self._bodies(tree, owner, names)
-        joints = self._joints(tree, owner, bodies, names)
+        joints = self._joints(tree, owner, bodies, starts, names)
         joint_sections = [each.section(tree, options.flexible) for each in joints.values()]
         rotors = [
             section
@@ -80,17 +85,13 @@ class _Converter:
         remarks = [f"{what} ({n} times)" if n > 1 else what for what, n in counts.items()]
         return Conversion(bodies, list(joints.values()), sections, remarks)
 
-    def _check_options(self, tree: Tree) -> None:
+    def _check_options(self) -> None:
         """`RobotError` for links and joints that the options name and the robot has not."""
         robot, options = self.robot, self.options
         for link in options.flexible:
             if link not in robot.links:
                 known = ", ".join(robot.links)
                 raise self._error(f"flexible: no link {link!r}; there are: {known}")
-        if options.base == "fixed" and tree.root in options.flexible:
-            raise self._error(
-                f"flexible: link {tree.root!r} is the root, which stands on the ground"
-            )
         moving = {joint.name: joint for joint in robot.joints if joint.coordinate is not None}
         for name in options.state:
             if name not in moving:
@@ -145,11 +146,11 @@ class _Converter:
         tree: Tree,
         owner: Mapping[str, str],
         bodies: Mapping[str, ModelBody],
+        starts: Mapping[str, float],
         names: Names,
     ) -> dict[str, NamedJoint]:
         """The joints between bodies, by their names in the robot."""
         joints: dict[str, NamedJoint] = {}
-        starts = self._starts()
         for joint in tree.incoming.values():
             if owner[joint.parent] == owner[joint.child]:
                 continue

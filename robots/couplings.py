@@ -54,10 +54,8 @@ class NamedJoint:
         }
         if joint.type in TYPES_WITH_AXIS:
             values["axis"] = tidy(tree.pose[joint.child].R @ joint.axis, 1.0)
-        if self.start != joint.reference:
-            values["start"] = {self.coordinate: self.start}
-        if joint.reference != 0.0:
-            values["reference_coordinates"] = {self.coordinate: joint.reference}
+        if self.start != 0.0:
+            values["reference_coordinates"] = {self.coordinate: self.start}
         if friction := _friction(joint):
             values["friction"] = friction
         return Section("[[joints]]", values)

@@ -115,7 +115,7 @@ def _removed_unless_whole(shaper: Shaper) -> Iterator[None]:
 
 def _head(name: str, source: Path, conversion: Conversion) -> list[str]:
     """Where the model is from, and what it has not."""
-    lines = [f"Robot {name!r}, imported from {source.name}. Bodies are placed at the zeros of all joints."]
+    lines = [f"Robot {name!r}, imported from {source.name}."]
     if conversion.remarks:
         lines += ["", "Not taken from the robot, or taken otherwise:"]
         lines += [f"- {remark}" for remark in conversion.remarks]

@@ -62,6 +62,12 @@ def by_quaternion(xyzw: Sequence[float] | Array) -> Array:
     return rotation
 
 
+def by_rotation_vector(vector: Array) -> Array:
+    """The rotation (3, 3) about a vector (3,), by its length [rad]."""
+    rotation: Array = Rotation.from_rotvec(vector).as_matrix()
+    return rotation
+
+
 def rotation_vector(R: Array) -> Array:
     """The rotation vector (3,) of a rotation [rad]."""
     vector: Array = Rotation.from_matrix(R).as_rotvec()

@@ -1,11 +1,11 @@
-"""The tree of a robot: its root, the poses of links at the reference, and which links are rigid."""
+"""The tree of a robot: its root, the poses of its links, and which links are one body."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from .description import Joint, Robot
 from .errors import RobotError
-from .poses import HERE, Pose
+from .poses import HERE, Pose, by_rotation_vector
 
 GROUND = "ground"
 """what the links of a fixed base belong to, in the words of model files"""
@@ -16,7 +16,7 @@ class Tree:
     """The links of a robot from its root outwards.
 
     incoming: the joint to the parent of each link but the root, in an order in which parents come
-    first; pose: of each link in space, with all coordinates at their references.
+    first; pose: of each link in space, at the start.
     """
 
     root: str
@@ -36,8 +36,11 @@ class Tree:
         return list(found)
 
 
-def tree_of(robot: Robot) -> Tree:
-    """The tree of a robot; `RobotError` names links that are in none."""
+def tree_of(robot: Robot, starts: Mapping[str, float]) -> Tree:
+    """The tree of a robot; `RobotError` names links that are in none.
+
+    starts: coordinates by joint [rad, m]; others are at their references.
+    """
     incoming = _incoming(robot)
     roots = [link for link in robot.links if link not in incoming]
     if len(roots) > 1:
@@ -56,11 +59,23 @@ def tree_of(robot: Robot) -> Tree:
         link = waiting.pop(0)
         for joint in children.get(link, ()):
             ordered[joint.child] = joint
-            pose[joint.child] = pose[link] @ joint.origin
+            motion = starts.get(joint.name, joint.reference) - joint.reference
+            pose[joint.child] = pose[link] @ joint.origin @ moved(joint, motion)
             waiting.append(joint.child)
     if apart := [link for link in incoming if link not in ordered]:
         raise _error(robot, f"links form a loop, apart from root {root!r}: {_names(apart)}")
     return Tree(root, ordered, pose)
+
+
+def moved(joint: Joint, motion: float) -> Pose:
+    """Where a child is whose joint has moved from its reference, in the axes that it had there."""
+    if joint.coordinate is None or motion == 0.0:
+        return HERE
+    if joint.type == "prismatic":
+        return Pose(HERE.R, motion * joint.axis)
+    R = by_rotation_vector(motion * joint.axis)
+    # The axis through the anchor stays where it is.
+    return Pose(R, joint.anchor - R @ joint.anchor)
 
 
 def _incoming(robot: Robot) -> dict[str, Joint]:
