@@ -19,6 +19,9 @@ from .names import Names
 from .poses import HERE, Pose, rotation_vector
 from .tree import GROUND, Tree
 
+GROUND_NAME = "ground"
+"""of the ground in model files, which no body may have"""
+
 
 @dataclass
 class ModelBody:
@@ -59,7 +62,7 @@ class ModelBody:
         if self.inertial is not None:
             values["mass"] = self.inertial.mass
             values["inertia"] = _inertia(self.inertial.inertia)
-        if self.name != GROUND:
+        if self.name != GROUND_NAME:
             values["position"] = tidy(self.pose.p)
             turn = rotation_vector(self.pose.R)
             values |= {"rotation": tidy(turn, 1.0)} if turn.any() else {}
@@ -67,7 +70,8 @@ class ModelBody:
         for name, pose in self.frames.items():
             values[f"frames.{name}"] = _frame(pose, size)
         values |= {"shape": self.shape} if self.shape else {}
-        head = table_head(GROUND) if self.name == GROUND else table_head("bodies", self.name)
+        is_ground = self.name == GROUND_NAME
+        head = table_head(GROUND_NAME) if is_ground else table_head("bodies", self.name)
         return Section(head, values, above=self.above)
 
 
@@ -87,7 +91,7 @@ def _frame(pose: Pose, size: float) -> dict[str, Any]:
 def ground(tree: Tree, owner: Mapping[str, str]) -> ModelBody:
     """The ground, with the links that are fixed to it."""
     links = [link for link in tree.links if owner[link] == GROUND]
-    return ModelBody(GROUND, HERE, links)
+    return ModelBody(GROUND_NAME, HERE, links)
 
 
 def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> ModelBody:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..solver.schema.paths import relative
-from .bodies import ModelBody, ground, rigid_body
+from .bodies import GROUND_NAME, ModelBody, ground, rigid_body
 from .couplings import NamedJoint, coupler, motor, servos, spring, stop
 from .description import Actuator, Joint, Robot
 from .document import Section, tidy
@@ -63,7 +63,7 @@ class _Converter:
                 f"flexible: link {tree.root!r} is the root, which stands on the ground"
             )
         owner = owners_of(robot, tree, options.flexible, options.base == "free")
-        names = Names([GROUND])
+        names = Names([GROUND_NAME])
         bodies = self._bodies(tree, owner, names)
         joints = self._joints(tree, owner, bodies, starts, names)
         joint_sections = [each.section(tree, options.flexible) for each in joints.values()]
@@ -76,7 +76,7 @@ class _Converter:
         self._attach_links(tree, owner, bodies)
         sections = [
             self._simulation(),
-            *(self._section(body) for body in bodies.values() if body.name != GROUND or body.frames),
+            *(self._section(body) for body in bodies.values() if body.name != GROUND_NAME or body.frames),
             *joint_sections,
             *rotors,
             *self._acting(tree, joints, names),
@@ -251,7 +251,7 @@ class _Converter:
     ) -> None:
         """Links that are fixed to others as frames of the body, by their names."""
         for body in bodies.values():
-            inner = body.links if body.name == GROUND else body.links[1:]
+            inner = body.links if body.name == GROUND_NAME else body.links[1:]
             for link in inner:
                 if body.superelement is None:
                     body.attach(link, tree.pose[link])

@@ -7,8 +7,8 @@ from .description import Joint, Robot
 from .errors import RobotError
 from .poses import HERE, Pose, by_rotation_vector
 
-GROUND = "ground"
-"""what the links of a fixed base belong to, in the words of model files"""
+GROUND = ""
+"""what the links of a fixed base belong to; no link has this name, as one may have "ground\""""
 
 
 @dataclass(frozen=True)
