@@ -76,7 +76,11 @@ class _Converter:
         self._attach_links(tree, owner, bodies)
         sections = [
             self._simulation(),
-            *(self._section(body) for body in bodies.values() if body.name != GROUND_NAME or body.frames),
+            *(
+                self._section(body)
+                for body in bodies.values()
+                if body.name != GROUND_NAME or body.frames
+            ),
             *joint_sections,
             *rotors,
             *self._acting(tree, joints, names),
@@ -96,13 +100,15 @@ class _Converter:
         for name in options.state:
             if name not in moving:
                 known = ", ".join(moving) or "none"
-                raise self._error(f"state: no joint {name!r} with one coordinate; there are: {known}")
+                raise self._error(
+                    f"state: no joint {name!r} with one coordinate; there are: {known}"
+                )
             if moving[name].mimic is not None:
-                raise self._error(f"state: joint {name!r} mimics another one, whose start it follows")
+                raise self._error(
+                    f"state: joint {name!r} mimics another one, whose start it follows"
+                )
 
-    def _bodies(
-        self, tree: Tree, owner: Mapping[str, str], names: Names
-    ) -> dict[str, ModelBody]:
+    def _bodies(self, tree: Tree, owner: Mapping[str, str], names: Names) -> dict[str, ModelBody]:
         """The bodies by their first links, in the order of the tree."""
         bodies = {GROUND: ground(tree, owner)}
         for first in dict.fromkeys(owner[link] for link in tree.links):

@@ -60,9 +60,7 @@ class NamedJoint:
             values["friction"] = friction
         return Section("[[joints]]", values)
 
-    def _frame(
-        self, body: ModelBody, tree: Tree, flexible: Mapping[str, FlexibleLink]
-    ) -> str:
+    def _frame(self, body: ModelBody, tree: Tree, flexible: Mapping[str, FlexibleLink]) -> str:
         joint, place = self.joint, anchor(tree, self.joint)
         if body.superelement is not None:
             return f"{body.name}.{flexible[body.links[0]].interfaces[joint.name]}"
@@ -73,6 +71,9 @@ class NamedJoint:
 
 def _friction(joint: Joint) -> dict[str, float]:
     """The friction of a joint of the model: viscous, and by a constant torque or force."""
+    # Only joints with one coordinate have friction in a model; of others it is told.
+    if joint.coordinate is None:
+        return {}
     friction = {"viscous": joint.damping} if joint.damping else {}
     if joint.friction:
         friction["torque" if joint.coordinate == "angle" else "force"] = joint.friction

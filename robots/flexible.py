@@ -9,6 +9,7 @@ from ..files.arrays import Array
 from ..superelement import Superelement
 from .bodies import ModelBody
 from .description import Joint, Robot
+from .document import tidy
 from .errors import RobotError
 from .options import FlexibleLink
 from .poses import Pose
@@ -56,7 +57,7 @@ def flexible_body(
             found = axes.relative(Pose(np.eye(3), pose.of(place))).p
             raise error(
                 f"interface {given.interfaces[joint]!r}: expected at joint {joint!r}, "
-                f"{_listed(expected)} m in the axes of the link, found at {_listed(found)} m "
+                f"{_listed(expected, size)} m in the axes of the link, found at {_listed(found, size)} m "
                 f"with {given.interfaces[first]!r} at joint {first!r}: draw the mesh in these axes"
             )
     return ModelBody(name, pose, links, superelement=element, file=given.file)
@@ -79,7 +80,10 @@ def mass_difference(robot: Robot, body: ModelBody) -> str:
 
 
 def _places(
-    element: Superelement, given: FlexibleLink, joints: Sequence[Joint], error: Callable[[str], RobotError]
+    element: Superelement,
+    given: FlexibleLink,
+    joints: Sequence[Joint],
+    error: Callable[[str], RobotError],
 ) -> Mapping[str, Array]:
     """Where the interface of each joint is, from the center of mass, in body axes."""
     interfaces = {each.name: each.X for each in element.interfaces}
@@ -97,5 +101,6 @@ def _places(
     return {joint: interfaces[name] for joint, name in given.interfaces.items()}
 
 
-def _listed(values: Array) -> str:
-    return f"[{', '.join(f'{value:.6g}' for value in values)}]"
+def _listed(values: Array, size: float) -> str:
+    # Rotations leave 1e-17 of a zero, which nobody needs to read.
+    return f"[{', '.join(f'{value:.6g}' for value in tidy(values, 10.0 * size))}]"

@@ -30,8 +30,7 @@ def read_mjcf(path: Path) -> Robot:
         import mujoco
     except ImportError as error:
         raise RobotError(
-            f"{path}: MJCF is read by mujoco, which is not installed: pip install "
-            "'duhamel[robots]'"
+            f"{path}: MJCF is read by mujoco, which is not installed: pip install 'duhamel[robots]'"
         ) from error
     try:
         compiled: Any = mujoco.MjModel.from_xml_path(str(path))

@@ -1,6 +1,6 @@
 """Actuators of MJCF as motors: a force by a control u, of which few kinds are those of a motor.
 
-    force = gain u + b_0 + b_1 l + b_2 l',     l = gear q,   torque = gear force
+force = gain u + b_0 + b_1 l + b_2 l',     l = gear q,   torque = gear force
 """
 
 from typing import TYPE_CHECKING, Any
@@ -77,7 +77,9 @@ def _tell_controls(mjcf: "Mjcf", a: int, name: str, kind: str, gear: float) -> N
     """What the input of the motor is, where it is not the control, and limits of the control."""
     m = mjcf.model
     factor = gear * float(m.actuator_gainprm[a][0]) if kind == "torque" else 1.0 / gear
-    what = {"torque": "force on the joint", "reference": "reference", "rate": "reference rate"}[kind]
+    what = {"torque": "force on the joint", "reference": "reference", "rate": "reference rate"}[
+        kind
+    ]
     if factor != 1.0:
         mjcf.leave_out(f"actuator {name!r}: its input is the {what}, {factor:g} times the control")
     if m.actuator_ctrllimited[a] and kind != "torque":

@@ -55,7 +55,9 @@ def _visuals(mjcf: "Mjcf", g: int) -> list[Visual]:
 
 def _mesh(mjcf: "Mjcf", number: int) -> Geometry:
     m = mjcf.model
-    points = slice(int(m.mesh_vertadr[number]), int(m.mesh_vertadr[number] + m.mesh_vertnum[number]))
+    points = slice(
+        int(m.mesh_vertadr[number]), int(m.mesh_vertadr[number] + m.mesh_vertnum[number])
+    )
     faces = slice(int(m.mesh_faceadr[number]), int(m.mesh_faceadr[number] + m.mesh_facenum[number]))
     facets = np.array(m.mesh_vert[points], float), np.array(m.mesh_face[faces], np.int64)
     return Geometry("mesh", np.ones(3), facets=facets)

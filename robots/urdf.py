@@ -194,9 +194,7 @@ def _dynamics(node: Node) -> tuple[float, float]:
     return damping, friction
 
 
-def _limit(
-    node: Node, given: str
-) -> tuple[float | None, float | None, tuple[float, float] | None]:
+def _limit(node: Node, given: str) -> tuple[float | None, float | None, tuple[float, float] | None]:
     """Effort, velocity and the two limits of a joint, None for those that it has not."""
     limit = node.child("limit")
     if limit is None:

@@ -133,9 +133,7 @@ def _number(joint: str, text: str) -> float:
     try:
         return float(text)
     except ValueError as error:
-        raise typer.BadParameter(
-            f"--state: {joint}: expected a number, got {text!r}"
-        ) from error
+        raise typer.BadParameter(f"--state: {joint}: expected a number, got {text!r}") from error
 
 
 def _plural(word: str, n: int) -> Any:

@@ -44,7 +44,9 @@ def test_coulomb_friction_is_that_of_mujoco(tmp_path):
     """A pendulum with friction: MuJoCo's constraint is soft, so both agree to a thousandth."""
     mujoco = pytest.importorskip("mujoco")
     text = BASE + link("bob", 2.0, (0.01, 0.01, 0.01), '<origin xyz="0.5 0 0"/>')
-    path = urdf_of(tmp_path, text + joint("pin", "base", "bob", '<dynamics friction="1.5"/>', axis="0 1 0"))
+    path = urdf_of(
+        tmp_path, text + joint("pin", "base", "bob", '<dynamics friction="1.5"/>', axis="0 1 0")
+    )
     results = simulate(model_of(path, tmp_path, t_end=0.6))
     compiled = mujoco.MjModel.from_xml_path(str(path))
     compiled.opt.timestep = 1e-4

@@ -38,7 +38,14 @@ def test_the_inertia_of_turned_links_is_that_of_their_points(tmp_path):
         y = (cloud - cloud.mean(0)) @ R
         J = sum(p @ p * np.eye(3) - np.outer(p, p) for p in y)
         origin = f'<origin xyz="{_words(cloud.mean(0))}" rpy="{_words(rpy[k])}"/>'
-        keys = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+        keys = {
+            "ixx": (0, 0),
+            "ixy": (0, 1),
+            "ixz": (0, 2),
+            "iyy": (1, 1),
+            "iyz": (1, 2),
+            "izz": (2, 2),
+        }
         moments = " ".join(f'{key}="{J[at]!r}"' for key, at in keys.items())
         moments = moments.replace("np.float64(", "").replace(")", "")
         mass = f'<mass value="{len(cloud)}"/>'
@@ -163,6 +170,8 @@ def test_a_chain_of_two_thousand_links_is_read(tmp_path):
     names = [f"l{k}" for k in range(2000)]
     text = BASE + "".join(link(name) for name in names)
     pairs = zip(["base", *names], names, strict=False)
-    text += "".join(joint(f"j{b}", a, b, kind="fixed" if b != "l0" else "continuous") for a, b in pairs)
+    text += "".join(
+        joint(f"j{b}", a, b, kind="fixed" if b != "l0" else "continuous") for a, b in pairs
+    )
     done = imported(tmp_path, text)
     assert (done.bodies, done.mass) == (1, pytest.approx(2000.0))

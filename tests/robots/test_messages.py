@@ -45,7 +45,10 @@ ROBOTS = {
         ARM + link("hand") + HINGE + joint("hinge", "arm", "hand"),
         "robot: expected different names, found two <joint> called 'hinge'",
     ),
-    "an unknown parent": (ARM + joint("hinge", "bse", "arm"), "joint 'hinge': parent: no link 'bse'"),
+    "an unknown parent": (
+        ARM + joint("hinge", "bse", "arm"),
+        "joint 'hinge': parent: no link 'bse'",
+    ),
     "an unknown child": (ARM + joint("hinge", "base", "am"), "joint 'hinge': child: no link 'am'"),
     "a link on itself": (ARM + joint("hinge", "arm", "arm"), "joint 'hinge': parent and child are"),
     "several roots": (ARM, "expected one root link, found 'base', 'arm'"),
