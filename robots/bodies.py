@@ -12,7 +12,7 @@ from ..files.arrays import Array
 from ..solver.model.bodies import INERTIA_TOLERANCE
 from ..superelement import Superelement
 from .description import Inertial, Robot
-from .document import Section, table_head, tidy
+from .document import Section, table_head, tidy, without_noise
 from .errors import RobotError
 from .inertia import as_of_a_body, composite, in_space, require_physical, require_positive
 from .names import Names
@@ -48,6 +48,11 @@ class ModelBody:
             return float(self.superelement.mass)
         return 0.0 if self.inertial is None else self.inertial.mass
 
+    @property
+    def size(self) -> float:
+        """How large the coordinates are from which those in body axes are computed [m]."""
+        return max(1.0, float(np.abs(self.pose.p).max()))
+
     def attach(self, wanted: str, pose: Pose) -> str:
         """A frame at a pose in space, as joints name it: BODY.FRAME."""
         name = self.names.new(wanted)
@@ -66,7 +71,7 @@ class ModelBody:
             values["position"] = tidy(self.pose.p)
             turn = rotation_vector(self.pose.R)
             values |= {"rotation": tidy(turn, 1.0)} if turn.any() else {}
-        size = float(np.abs(self.pose.p).max())
+        size = self.size
         for name, pose in self.frames.items():
             values[f"frames.{name}"] = _frame(pose, size)
         values |= {"shape": self.shape} if self.shape else {}
@@ -77,7 +82,7 @@ class ModelBody:
 
 def _inertia(J: Array) -> Array:
     """The three principal inertias where they are along the body axes, or the whole matrix."""
-    kept = tidy(J)
+    kept = without_noise(J)
     principal = np.diagonal(kept)
     return principal if (kept == np.diag(principal)).all() else kept
 
@@ -101,13 +106,14 @@ def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> Mod
     """
     first = links[0]
     error = partial(_error, robot, first)
-
     axes = tree.pose[first]
     inertials = {link: one for link in links if (one := robot.links[link].inertial) is not None}
     for link, inertial in inertials.items():
         # One of them that is impossible would hide among the others.
         require_physical(inertial, partial(_error, robot, link))
-    parts = [in_space(each, axes.relative(tree.pose[link])) for link, each in inertials.items()]
+    # Of the first link the relative pose is the identity but for rounding: its numbers stay.
+    poses = {link: axes.relative(tree.pose[link]) for link in links} | {first: HERE}
+    parts = [in_space(each, poses[link]) for link, each in inertials.items()]
     if not sum(part.mass for part in parts):
         raise error("moves without a mass: give it an <inertial>, or make its joint fixed")
     whole = composite(parts)

@@ -97,16 +97,15 @@ class _Converter:
                 known = ", ".join(robot.links)
                 raise self._error(f"flexible: no link {link!r}; there are: {known}")
         moving = {joint.name: joint for joint in robot.joints if joint.coordinate is not None}
-        for name in options.state:
-            if name not in moving:
-                known = ", ".join(moving) or "none"
-                raise self._error(
-                    f"state: no joint {name!r} with one coordinate; there are: {known}"
-                )
-            if moving[name].mimic is not None:
-                raise self._error(
-                    f"state: joint {name!r} mimics another one, whose start it follows"
-                )
+        for option, named in (("state", options.state), ("servo_of", options.servos)):
+            for name in named:
+                if name not in moving:
+                    known = ", ".join(moving) or "none"
+                    raise self._error(
+                        f"{option}: no joint {name!r} with one coordinate; there are: {known}"
+                    )
+                if moving[name].mimic is not None:
+                    raise self._error(f"{option}: joint {name!r} follows another one, by its mimic")
 
     def _bodies(self, tree: Tree, owner: Mapping[str, str], names: Names) -> dict[str, ModelBody]:
         """The bodies by their first links, in the order of the tree."""
@@ -249,8 +248,7 @@ class _Converter:
 
     def _actuators(self, joints: Mapping[str, NamedJoint]) -> Iterator[Actuator]:
         yield from self.robot.actuators
-        if self.options.servo is not None:
-            yield from servos(list(joints.values()), self.options.servo)
+        yield from servos(joints.values(), self.options)
 
     def _attach_links(
         self, tree: Tree, owner: Mapping[str, str], bodies: Mapping[str, ModelBody]

@@ -1,13 +1,12 @@
 """Joints of a model, and what acts on their coordinates: stops, motors, couplers."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..files.arrays import Array
 from .bodies import ModelBody
 from .description import Actuator, Joint, Mimic, Robot
 from .document import Section, tidy
@@ -135,24 +134,23 @@ def _length(joint: Joint) -> float:
     return float(np.linalg.norm(joint.origin.p)) + travel
 
 
-def servos(joints: Sequence[NamedJoint], gains: tuple[float, float]) -> Iterator[Actuator]:
-    """A servo at each joint with one coordinate that mimics none, by the gains of the user."""
-    stiffness, damping = gains
+def servos(joints: Iterable[NamedJoint], options: ImportOptions) -> Iterator[Actuator]:
+    """A servo at each joint that has one coordinate and mimics none, by the gains of the user."""
     for each in joints:
         joint = each.joint
-        if joint.coordinate is None or joint.mimic is not None:
+        gains = options.servos.get(joint.name, options.servo)
+        if joint.coordinate is None or joint.mimic is not None or gains is None:
             continue
         limit = None if joint.effort is None else (-joint.effort, joint.effort)
-        # The speed of a motor lowers its limit: without one there is none to lower.
-        speed = joint.velocity if limit else None
         yield Actuator(
             joint.name,
             joint.name,
             "reference",
-            stiffness=stiffness,
-            damping=damping,
+            stiffness=gains[0],
+            damping=gains[1],
             limit=limit,
-            speed=speed,
+            # The speed of a motor lowers its limit: without one there is none to lower.
+            speed=joint.velocity if limit else None,
         )
 
 

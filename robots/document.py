@@ -1,5 +1,6 @@
 """A model file with comments: tables one after the other, a key a line."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ import tomli_w
 from ..files.arrays import Array
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-# Digits of computed numbers: the last ones of 0.30000000000000004 say nothing.
+# Of computed numbers: the last digits of 0.30000000000000004 say nothing.
 SIGNIFICANT_DIGITS = 15
 # Relative to the largest entry: what products of rotations leave of a zero.
 NEGLIGIBLE_ENTRY = 1e-15
@@ -73,15 +74,21 @@ def inline(value: Any) -> str:
 def tidy(values: Array, size: float = 0.0) -> Array:
     """Computed numbers without what rounding has left of zeros and of short decimals.
 
-    size: of numbers that count as large beside these.
+    size: of the numbers from which they were computed, where these are larger.
     """
-    least = NEGLIGIBLE_ENTRY * max(float(np.abs(values).max(initial=0.0)), size)
-    kept = np.where(np.abs(values) <= least, 0.0, values)
-    return np.vectorize(_shortest, otypes=[float])(kept)
+    largest = max(float(np.abs(values).max(initial=0.0)), size)
+    if largest == 0.0:
+        return values
+    decimals = SIGNIFICANT_DIGITS - 1 - math.floor(math.log10(largest))
+    # Adding 0 turns -0 into 0.
+    rounded: Array = np.round(values, decimals) + 0.0
+    return rounded
 
 
-def _shortest(value: float) -> float:
-    return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+def without_noise(values: Array) -> Array:
+    """Computed numbers, those that rounding has left of zeros as zeros; the others as they are."""
+    least = NEGLIGIBLE_ENTRY * float(np.abs(values).max(initial=0.0))
+    return np.where(np.abs(values) <= least, 0.0, values)
 
 
 def _keys(key: str) -> str:

@@ -53,12 +53,12 @@ def flexible_body(
     for joint, place in places.items():
         off = float(np.linalg.norm(pose.of(place) - anchors[joint]))
         if off > MAX_JOINT_DISTANCE * size:
-            expected = axes.relative(Pose(np.eye(3), anchors[joint])).p
-            found = axes.relative(Pose(np.eye(3), pose.of(place))).p
+            expected = _listed(axes.seen(anchors[joint]), size)
+            found = _listed(axes.seen(pose.of(place)), size)
             raise error(
-                f"interface {given.interfaces[joint]!r}: expected at joint {joint!r}, "
-                f"{_listed(expected, size)} m in the axes of the link, found at {_listed(found, size)} m "
-                f"with {given.interfaces[first]!r} at joint {first!r}: draw the mesh in these axes"
+                f"interface {given.interfaces[joint]!r}: expected at joint {joint!r}, {expected} m "
+                f"in the axes of the link, found at {found} m with {given.interfaces[first]!r} at "
+                f"joint {first!r}: draw the mesh in these axes"
             )
     return ModelBody(name, pose, links, superelement=element, file=given.file)
 

@@ -49,7 +49,7 @@ class Node:
         silent: Sequence[str] = (),
     ) -> "Node":
         """This node, once what nobody reads of it is counted."""
-        for name in self.element.keys():
+        for name in self.element.attrib:
             if name not in attributes and name not in silent and ":" not in name:
                 self.left_out.counts[f"attribute {name!r} of <{self.element.tag}>"] += 1
         for child in self.element:
@@ -101,7 +101,7 @@ class Node:
 
     def number(self, key: str, default: float | None = None, *, infinite: bool = False) -> float:
         """An attribute that is a number; without a default it must be there."""
-        if key not in self.element.keys() and default is not None:
+        if key not in self.element.attrib and default is not None:
             return default
         (number,) = self.numbers(key, 1, infinite=infinite)
         return float(number)

@@ -38,7 +38,9 @@ class ImportOptions:
     base : {"fixed", "free"}
         Whether the root link stands on the ground, or is a free body.
     servo : (2,), optional [N m/rad, N m s/rad]
-        Stiffness and damping of a servo at each joint that mimics none.
+        Stiffness and damping of a servo at each joint that mimics none; of slides in N/m and N s/m.
+    servos : mapping of (2,)
+        The same at single joints, where they differ.
     flexible : mapping of FlexibleLink
         By link.
     state : mapping of float [rad, m]
@@ -59,6 +61,7 @@ class ImportOptions:
 
     base: Literal["fixed", "free"] = "fixed"
     servo: tuple[float, float] | None = None
+    servos: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     flexible: Mapping[str, FlexibleLink] = field(default_factory=dict)
     state: Mapping[str, float] = field(default_factory=dict)
     stop_stiffness: float | None = None
@@ -78,10 +81,16 @@ class ImportOptions:
         for key, value in positive.items():
             if value is not None and not 0.0 < value < math.inf:
                 raise ValueError(f"{key}: expected a positive number, got {value:g}")
-        if self.servo is not None and not all(0.0 <= gain < math.inf for gain in self.servo):
-            raise ValueError(f"servo: expected two gains of at least 0, got {self.servo}")
-        if self.servo is not None and not any(self.servo):
-            raise ValueError("servo: expected a gain above 0, got two zeros")
+        everywhere = {} if self.servo is None else {"servo": self.servo}
+        for key, gains in {**everywhere, **_keyed("servo_of", self.servos)}.items():
+            if not all(0.0 <= gain < math.inf for gain in gains):
+                raise ValueError(f"{key}: expected two gains of at least 0, got {gains}")
+            if not any(gains):
+                raise ValueError(f"{key}: expected a gain above 0, got two zeros")
         for joint, value in self.state.items():
             if not math.isfinite(value):
                 raise ValueError(f"state: {joint}: expected a number, got {value:g}")
+
+
+def _keyed(key: str, by_joint: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    return {f"{key}: {joint}": gains for joint, gains in by_joint.items()}

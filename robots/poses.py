@@ -57,7 +57,7 @@ def by_fixed_axes(rpy: Sequence[float] | Array) -> Array:
 
 
 def by_quaternion(xyzw: Sequence[float] | Array) -> Array:
-    """The rotation (3, 3) of a quaternion whose real part is the last; its length does not count."""
+    """The rotation (3, 3) of a quaternion of any length, whose real part is the last."""
     rotation: Array = Rotation.from_quat(np.array(xyzw, dtype=float)).as_matrix()
     return rotation
 

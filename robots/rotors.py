@@ -12,7 +12,7 @@ import numpy as np
 
 from ..files.arrays import Array
 from .couplings import NamedJoint
-from .document import Section, table_head, tidy
+from .document import Section, table_head, tidy, without_noise
 from .flexible import anchor
 from .names import Names
 from .poses import Pose
@@ -35,7 +35,7 @@ def rotor(joint: NamedJoint, tree: Tree, ratio: float, names: Names) -> Iterator
         table_head("bodies", body),
         {
             "mass": float(f"{axial / RADIUS_OF_GYRATION**2:.6g}"),
-            "inertia": tidy(_inertia(axial, axis)),
+            "inertia": without_noise(_inertia(axial, axis)),
             "position": tidy(place),
             "frames.shaft": {"position": [0.0, 0.0, 0.0]},
         },

@@ -56,7 +56,7 @@ class Shaper:
         parts: list[Facets] = []
         for visual in visuals:
             try:
-                if len(visuals) == 1 and (shape := self._as_it_is(visual)):
+                if len(visuals) == 1 and (shape := self._as_it_is(visual, body.size)):
                     body.shape = shape
                     return told
                 parts.append(self._facets(visual))
@@ -78,11 +78,11 @@ class Shaper:
             write_stl(path, facets)
         return list(self.facets)
 
-    def _as_it_is(self, visual: Visual) -> Mapping[str, Any] | None:
+    def _as_it_is(self, visual: Visual, body_size: float) -> Mapping[str, Any] | None:
         """A figure as model files have it, None where they do not."""
         pose, geometry = visual.pose, visual.geometry
         size = geometry.size
-        p = tidy(pose.p)
+        p = tidy(pose.p, body_size)
         center = {"center": p} if p.any() else {}
         if geometry.kind == "sphere":
             return {"sphere": float(size[0])} | center

@@ -97,9 +97,9 @@ def _origin(node: Node) -> Pose:
     origin.reads(("xyz", "rpy", "quat_xyzw"))
     zero = (0.0, 0.0, 0.0)
     p, rpy = origin.numbers("xyz", 3, zero), origin.numbers("rpy", 3, zero)
-    if "quat_xyzw" not in origin.element.keys():
+    if "quat_xyzw" not in origin.element.attrib:
         return Pose(by_fixed_axes(rpy), p)
-    if "rpy" in origin.element.keys():
+    if "rpy" in origin.element.attrib:
         raise origin.error("expected rpy or quat_xyzw, got both")
     quaternion = origin.numbers("quat_xyzw", 4)
     if not quaternion.any():

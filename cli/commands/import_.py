@@ -1,7 +1,7 @@
 """`duhamel import`: a robot as a model file."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -27,6 +27,10 @@ Servo = Annotated[
         help="Servos at all joints, whose references are inputs named as the joints; in "
         "N m/rad and N m s/rad, of slides N/m and N s/m.",
     ),
+]
+ServoOf = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT=KP,KD", help="The same at one joint, where it differs."),
 ]
 Flexible = Annotated[
     list[str] | None,
@@ -66,6 +70,7 @@ def import_(
     output: Output = None,
     base: Base = "fixed",
     servo: Servo = None,
+    servo_of: ServoOf = None,
     flexible: Flexible = None,
     state: State = None,
     stop_stiffness: StopStiffness = None,
@@ -82,8 +87,9 @@ def import_(
         options = robots.ImportOptions(
             base=base,
             servo=servo,
+            servos=dict(map(_gains_of_joint, servo_of or ())),
             flexible=dict(map(_flexible_link, flexible or ())),
-            state={joint: _number(joint, text) for joint, text in map(_pair_of_state, state or ())},
+            state=dict(map(_start_of_joint, state or ())),
             stop_stiffness=stop_stiffness,
             packages=packages or (),
             t_end=t_end,
@@ -117,8 +123,20 @@ def _flexible_link(text: str) -> "tuple[str, FlexibleLink]":
     return link, FlexibleLink(Path(file), interfaces)
 
 
-def _pair_of_state(text: str) -> tuple[str, str]:
-    return _pair("--state", text, "JOINT=VALUE")
+def _start_of_joint(text: str) -> tuple[str, float]:
+    joint, value = _pair("--state", text, "JOINT=VALUE")
+    return joint, _number("--state", joint, value)
+
+
+def _gains_of_joint(text: str) -> tuple[str, tuple[float, float]]:
+    joint, values = _pair("--servo-of", text, "JOINT=KP,KD")
+    stiffness, comma, damping = values.partition(",")
+    if not comma:
+        raise typer.BadParameter(f"--servo-of: expected JOINT=KP,KD, got {text!r}")
+    return joint, (
+        _number("--servo-of", joint, stiffness),
+        _number("--servo-of", joint, damping),
+    )
 
 
 def _pair(option: str, text: str, form: str) -> tuple[str, str]:
@@ -129,14 +147,14 @@ def _pair(option: str, text: str, form: str) -> tuple[str, str]:
     return name, value
 
 
-def _number(joint: str, text: str) -> float:
+def _number(option: str, joint: str, text: str) -> float:
     try:
         return float(text)
     except ValueError as error:
-        raise typer.BadParameter(f"--state: {joint}: expected a number, got {text!r}") from error
+        raise typer.BadParameter(f"{option}: {joint}: expected a number, got {text!r}") from error
 
 
-def _plural(word: str, n: int) -> Any:
+def _plural(word: str, n: int) -> str:
     if n == 1:
         return word
     return f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"

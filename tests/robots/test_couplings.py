@@ -144,6 +144,14 @@ def test_fingers_that_mimic_each_other_are_one_mass(tmp_path):
     assert abs(exact.y[0, -1]) > 1e-2
 
 
+def test_a_joint_may_have_gains_of_its_own(tmp_path):
+    gains = {"servo": (500.0, 20.0), "servos": {"lift": (2e4, 300.0)}}
+    model = model_of("scara.urdf", tmp_path, **gains)
+    found = {motor.joint: (motor.stiffness, motor.damping) for motor in model.motors}
+    same = (500.0, 20.0)
+    assert found == {"shoulder": same, "elbow": same, "lift": (2e4, 300.0)}
+
+
 def test_servos_move_leaders_alone(tmp_path):
     model = model_of("gripper.urdf", tmp_path, servo=(500.0, 20.0))
     assert [motor.joint for motor in model.motors] == ["left_slide"]

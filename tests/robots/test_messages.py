@@ -203,6 +203,10 @@ OPTIONS = {
         {"state": {"hing": 1.0}},
         "state: no joint 'hing' with one coordinate; there are: hinge",
     ),
+    "gains of an unknown joint": (
+        {"servos": {"hing": (1.0, 1.0)}},
+        "servo_of: no joint 'hing' with one coordinate; there are: hinge",
+    ),
     "a free base without mass": ({"base": "free"}, "link 'base': moves without a mass"),
 }
 

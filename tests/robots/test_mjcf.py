@@ -91,8 +91,8 @@ def test_an_armature_is_a_rotor_behind_a_gear(tmp_path):
 
 
 def test_an_armature_of_a_slide_is_a_mass_that_moves_with_it(tmp_path):
-    slide = '<body><joint name="s" type="slide" axis="0 0 1" armature="3"/><geom size="0.1" mass="2"/></body>'
-    model = model_of(written(tmp_path, slide), tmp_path, t_end=0.1)
+    slide = '<joint name="s" type="slide" axis="0 0 1" armature="3"/><geom size="0.1" mass="2"/>'
+    model = model_of(written(tmp_path, f"<body>{slide}</body>"), tmp_path, t_end=0.1)
     assert rates(model)["s"] == pytest.approx(-9.81 * 2.0 / 5.0 * 0.1, rel=1e-4)
 
 
