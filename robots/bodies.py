@@ -16,11 +16,11 @@ from .document import Section, table_head, tidy, without_noise
 from .errors import RobotError
 from .inertia import as_of_a_body, composite, in_space, require_physical, require_positive
 from .names import Names
-from .poses import HERE, Pose, rotation_vector
-from .tree import GROUND, Tree
+from .poses import AT_ORIGIN, Pose, rotation_vector
+from .tree import ON_GROUND, Tree
 
+# Of the ground in model files, which no body may have.
 GROUND_NAME = "ground"
-"""of the ground in model files, which no body may have"""
 
 
 @dataclass
@@ -95,8 +95,8 @@ def _frame(pose: Pose, size: float) -> dict[str, Any]:
 
 def ground(tree: Tree, owner: Mapping[str, str]) -> ModelBody:
     """The ground, with the links that are fixed to it."""
-    links = [link for link in tree.links if owner[link] == GROUND]
-    return ModelBody(GROUND_NAME, HERE, links)
+    links = [link for link in tree.links if owner[link] == ON_GROUND]
+    return ModelBody(GROUND_NAME, AT_ORIGIN, links)
 
 
 def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> ModelBody:
@@ -112,7 +112,7 @@ def rigid_body(robot: Robot, tree: Tree, links: Sequence[str], name: str) -> Mod
         # One of them that is impossible would hide among the others.
         require_physical(inertial, partial(_error, robot, link))
     # Of the first link the relative pose is the identity but for rounding: its numbers stay.
-    poses = {link: axes.relative(tree.pose[link]) for link in links} | {first: HERE}
+    poses = {link: axes.relative(tree.pose[link]) for link in links} | {first: AT_ORIGIN}
     parts = [in_space(each, poses[link]) for link, each in inertials.items()]
     if not sum(part.mass for part in parts):
         raise error("moves without a mass: give it an <inertial>, or make its joint fixed")

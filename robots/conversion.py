@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ..solver.schema.paths import relative
 from .bodies import GROUND_NAME, ModelBody, ground, rigid_body
 from .couplings import NamedJoint, coupler, motor, servos, spring, stop
@@ -15,7 +17,7 @@ from .flexible import flexible_body, mass_difference
 from .names import Names
 from .options import ImportOptions
 from .rotors import rotor
-from .tree import GROUND, Tree, owners_of, tree_of
+from .tree import ON_GROUND, Tree, owners_of, tree_of
 
 
 @dataclass(frozen=True)
@@ -109,9 +111,9 @@ class _Converter:
 
     def _bodies(self, tree: Tree, owner: Mapping[str, str], names: Names) -> dict[str, ModelBody]:
         """The bodies by their first links, in the order of the tree."""
-        bodies = {GROUND: ground(tree, owner)}
+        bodies = {ON_GROUND: ground(tree, owner)}
         for first in dict.fromkeys(owner[link] for link in tree.links):
-            if first == GROUND:
+            if first == ON_GROUND:
                 continue
             links = [link for link in tree.links if owner[link] == first]
             name = names.new(first)
@@ -128,7 +130,7 @@ class _Converter:
                 self.remarks += self.shaped(body, tree)
             bodies[first] = body
         if self.options.base == "fixed":
-            self._ground_remarks(bodies[GROUND])
+            self._ground_remarks(bodies[ON_GROUND])
         return bodies
 
     def _ground_remarks(self, body: ModelBody) -> None:
@@ -157,6 +159,7 @@ class _Converter:
         """The joints between bodies, by their names in the robot."""
         joints: dict[str, NamedJoint] = {}
         for joint in tree.incoming.values():
+            # Fixed within a body: nothing of the joint is left.
             if owner[joint.parent] == owner[joint.child]:
                 continue
             if joint.type == "floating":
@@ -178,6 +181,7 @@ class _Converter:
     def _starts(self) -> dict[str, float]:
         """Where the coordinates of joints start, by their names in the robot."""
         starts: dict[str, float] = {}
+        # Leaders first: those that mimic them follow from their starts.
         for joint in self.robot.joints:
             if joint.coordinate is not None and joint.mimic is None:
                 starts[joint.name] = self._start(joint)
@@ -194,7 +198,7 @@ class _Converter:
         if joint.limits is None or joint.limits[0] <= joint.reference <= joint.limits[1]:
             return joint.reference
         lower, upper = joint.limits
-        middle = float(tidy(0.5 * (lower + upper)))
+        middle = float(tidy(np.array([0.5 * (lower + upper)]))[0])
         self._remark(
             f"joint {joint.name!r}: {joint.reference:g} is outside of its limits, {lower:g} to "
             f"{upper:g}: it starts at {middle:g}; choose another start by --state"
@@ -255,6 +259,7 @@ class _Converter:
     ) -> None:
         """Links that are fixed to others as frames of the body, by their names."""
         for body in bodies.values():
+            # The first link has the axes of the body, and its joint a frame.
             inner = body.links if body.name == GROUND_NAME else body.links[1:]
             for link in inner:
                 if body.superelement is None:

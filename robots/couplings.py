@@ -15,6 +15,7 @@ from .options import STOP_FREQUENCY, STOP_RESTITUTION, FlexibleLink, ImportOptio
 from .poses import Pose
 from .tree import Tree
 
+# Joints of a description by those of model files; a floating one is none.
 MODEL_TYPES = {
     "fixed": "fixed",
     "revolute": "revolute",
@@ -22,10 +23,7 @@ MODEL_TYPES = {
     "planar": "planar",
     "spherical": "spherical",
 }
-"""joints of a description by those of model files; a floating one is none"""
 TYPES_WITH_AXIS = "revolute", "prismatic", "planar"
-UNITS = {"angle": ("rad", "N m"), "distance": ("m", "N")}
-"""of a coordinate, and of what acts on it"""
 
 
 @dataclass(frozen=True)
@@ -168,6 +166,7 @@ def motor(actuator: Actuator, joint: NamedJoint, name: str, port: str) -> Sectio
         values["reference"] = {"input": port, "value": joint.start}
     else:
         values["reference_rate"] = {"input": port}
+    # A file says only what is not the default.
     values |= {"stiffness": actuator.stiffness} if actuator.stiffness else {}
     values |= {"damping": actuator.damping} if actuator.damping else {}
     if actuator.limit is not None:

@@ -7,12 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from ..files.arrays import Array
-from .poses import HERE, Pose
+from ..files.arrays import Array, IntArray
+from .poses import AT_ORIGIN, Pose
 
 JointType = Literal["fixed", "revolute", "prismatic", "planar", "spherical", "floating"]
-COORDINATES: dict[str, str] = {"revolute": "angle", "prismatic": "distance"}
-"""the coordinate of each type that has one alone, as model files name it"""
+# The coordinate of each type that has one alone, as model files name it.
+COORDINATE_NAMES: dict[str, str] = {"revolute": "angle", "prismatic": "distance"}
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Geometry:
     kind: Literal["box", "cylinder", "sphere", "mesh"]
     size: Array
     file: str = ""
-    facets: tuple[Array, Array] | None = None
+    facets: tuple[Array, IntArray] | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Joint:
     type: JointType
     parent: str
     child: str
-    origin: Pose = HERE
+    origin: Pose = AT_ORIGIN
     axis: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
     anchor: Array = field(default_factory=lambda: np.zeros(3))
     reference: float = 0.0
@@ -103,7 +103,7 @@ class Joint:
     @property
     def coordinate(self) -> str | None:
         """Its coordinate by the name in model files; None where it has not exactly one."""
-        return COORDINATES.get(self.type)
+        return COORDINATE_NAMES.get(self.type)
 
 
 @dataclass(frozen=True)

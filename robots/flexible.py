@@ -15,10 +15,10 @@ from .options import FlexibleLink
 from .poses import Pose
 from .tree import Tree
 
+# Of a superelement and its link, relative: beyond it both are told.
 MAX_MASS_DIFFERENCE = 0.05
-"""of a superelement and its link, relative: beyond it both are told"""
+# Of an interface from its joint, relative to the superelement: that of meshes, not of mistakes.
 MAX_JOINT_DISTANCE = 0.01
-"""of an interface from its joint, relative to the superelement: that of meshes, not of mistakes"""
 
 
 def flexible_body(

@@ -81,6 +81,7 @@ def import_robot(
     options = options or ImportOptions()
     require_no_input(target, [source], "the robot", "model")
     robot = read_robot(source)
+    # Everything is computed before anything is written: an error leaves no file.
     shaper = Shaper(robot, target, options.packages)
     conversion = convert(robot, options, target.parent, shaper.give_shape)
     if len(conversion.bodies) == 1:
@@ -90,6 +91,7 @@ def import_robot(
         )
     text = document_of(_head(robot.name, source, conversion), conversion.sections)
     with _removed_unless_whole(shaper), renamed_when_whole(target, failure=RobotError) as temporary:
+        # The model names the shapes, and reading it back needs them.
         shaper.write()
         temporary.write_text(text, encoding="utf-8")
         _require_readable(temporary, target)

@@ -1,6 +1,7 @@
 """Masses and inertias: of several links as one body, and those that no body has."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -9,9 +10,9 @@ from .description import Inertial
 from .poses import Pose
 
 # A zero of a point mass, computed by rotation, may be negative by a few roundings.
-ROUNDING = 1e-12
+INERTIA_ROUNDING = 1e-12
+# [m] of gyration, below which a negative inertia of a point mass is that of rounding.
 NEGLIGIBLE_RADIUS = 1e-6
-"""[m] of gyration, below which a negative inertia of a point mass is that of rounding"""
 
 
 def in_space(inertial: Inertial, pose: Pose) -> Inertial:
@@ -46,7 +47,7 @@ def point_inertia(mass: float, r: Array) -> Array:
 def require_physical(inertial: Inertial, error: Callable[[str], Exception]) -> None:
     """Raise the `error` of a negative principal inertia; a point mass has three zeros."""
     principal = np.linalg.eigvalsh(inertial.inertia)
-    rounding = max(ROUNDING * abs(principal).max(), inertial.mass * NEGLIGIBLE_RADIUS**2)
+    rounding = max(INERTIA_ROUNDING * abs(principal).max(), inertial.mass * NEGLIGIBLE_RADIUS**2)
     if principal[0] < -rounding:
         raise error(f"inertia: expected no negative principal value, got {_listed(principal)}")
 
@@ -54,7 +55,7 @@ def require_physical(inertial: Inertial, error: Callable[[str], Exception]) -> N
 def require_positive(J: Array, error: Callable[[str], Exception]) -> None:
     """Raise the `error` of a body that would rotate without resistance."""
     principal = np.linalg.eigvalsh(J)
-    if principal[0] <= ROUNDING * abs(principal).max():
+    if principal[0] <= INERTIA_ROUNDING * abs(principal).max():
         raise error(f"inertia: expected positive principal values, got {_listed(principal)}")
 
 
@@ -77,5 +78,5 @@ def as_of_a_body(J: Array, tolerance: float) -> tuple[Array, str]:
     return 0.5 * (nearest + nearest.T), said
 
 
-def _listed(values: Array) -> str:
+def _listed(values: Any) -> str:
     return f"[{', '.join(f'{value:.6g}' for value in values)}]"

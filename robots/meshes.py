@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -14,7 +15,7 @@ from ..files.arrays import Array, IntArray
 from .errors import RobotError
 
 COLLADA_SUFFIX = ".dae"
-PACKAGE = re.compile(r"(?:package|model)://([^/]+)/(.+)")
+PACKAGE_URL = re.compile(r"(?:package|model)://([^/]+)/(.+)")
 Facets = tuple[Array, IntArray]
 """points (p, 3) and triangles (t, 3)"""
 
@@ -33,13 +34,13 @@ def found_mesh(name: str, robot: Path, packages: Sequence[Path]) -> Path:
     for path in tried:
         if path.is_file():
             return path
-    hint = "; say where its package is by --packages" if PACKAGE.fullmatch(name) else ""
+    hint = "; say where its package is by --packages" if PACKAGE_URL.fullmatch(name) else ""
     raise MeshError(f"mesh {name!r}: no such file{hint}")
 
 
 def _candidates(name: str, robot: Path, packages: Sequence[Path]) -> Iterator[Path]:
     folder = robot.resolve().parent
-    in_package = PACKAGE.fullmatch(name)
+    in_package = PACKAGE_URL.fullmatch(name)
     if in_package is None:
         yield folder / name.removeprefix("file://")
         return
@@ -103,11 +104,11 @@ def _by_trimesh(path: Path) -> Facets:
             f"meshes in {path.suffix}: pip install 'duhamel[robots]' to show them"
         ) from error
     try:
-        mesh = trimesh.load(path, force="mesh", process=False)
+        mesh: Any = trimesh.load(path, force="mesh", process=False)
         if path.suffix.lower() == COLLADA_SUFFIX:
             # The only format of these whose files say their unit.
             mesh.convert_units("meters")
-        return np.asarray(mesh.vertices, float), np.asarray(mesh.faces).astype(np.int64)
+        return np.array(mesh.vertices, dtype=float), np.asarray(mesh.faces).astype(np.int64)
     except Exception as error:
         raise ValueError(str(error) or type(error).__name__) from error
 

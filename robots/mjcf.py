@@ -4,21 +4,21 @@ Its compiler expands defaults, includes and units, and gives masses to geometrie
 are the arrays of its `MjModel`. Source: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 """
 
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .description import COORDINATES, Inertial, Joint, JointType, Link, Mimic, Robot
+from .compiled_model import CompiledModel
+from .description import COORDINATE_NAMES, Inertial, Joint, JointType, Link, Mimic, Robot
 from .errors import RobotError
 from .mjcf_actuators import actuators_of
 from .mjcf_figures import visuals_of
 from .poses import Pose, by_quaternion
 
+# Of the coefficients by which one joint follows another, those that no coupler has.
 POLYNOMIAL_TERMS = slice(2, 5)
-"""of the coefficients by which one joint follows another, those that no coupler has"""
 
 
 def read_mjcf(path: Path) -> Robot:
@@ -39,16 +39,13 @@ def read_mjcf(path: Path) -> Robot:
     return Mjcf(path, mujoco, compiled).robot()
 
 
-class Mjcf:
-    """A compiled model of MuJoCo, and what of it is left out."""
-
-    def __init__(self, path: Path, mujoco: Any, model: Any) -> None:
-        self.path, self.mujoco, self.model = path, mujoco, model
-        self.left_out: Counter[str] = Counter()
+class Mjcf(CompiledModel):
+    """A compiled model as the description of a robot."""
 
     def robot(self) -> Robot:
         m = self.model
         links = {self.body(i): self._link(i) for i in range(m.nbody)}
+        # Body 0 is the world, which has no parent.
         joints = [self._joint(i) for i in range(1, m.nbody)]
         followers = dict(self._mimic(k) for k in range(m.neq) if self._is_coupler(k))
         actuators = actuators_of(self)
@@ -62,16 +59,6 @@ class Mjcf:
             np.array(m.opt.gravity, dtype=float),
             tuple(self.left_out.elements()),
         )
-
-    def leave_out(self, what: str, n: int = 1) -> None:
-        if n:
-            self.left_out[what] += n
-
-    def body(self, i: int) -> str:
-        return str(self.model.body(i).name) or f"body {i}"
-
-    def joint(self, j: int) -> str:
-        return str(self.model.joint(j).name) or f"{self.body(int(self.model.jnt_bodyid[j]))} joint"
 
     def _link(self, i: int) -> Link:
         m = self.model
@@ -103,7 +90,7 @@ class Mjcf:
         if kind == "floating":
             return Joint(self.joint(first), kind, parent, name, origin)
         dof, coordinate = int(m.jnt_dofadr[first]), int(m.jnt_qposadr[first])
-        single = kind in COORDINATES
+        single = kind in COORDINATE_NAMES
         self._leave_out_polynomials(first, dof)
         return Joint(
             self.joint(first),
@@ -172,6 +159,7 @@ class Mjcf:
 
 
 def _limits(m: Any, j: int) -> tuple[float, float] | None:
+    # A range may be given and switched off.
     if not m.jnt_limited[j]:
         return None
     lower, upper = m.jnt_range[j].tolist()

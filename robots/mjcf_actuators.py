@@ -3,26 +3,24 @@
 force = gain u + b_0 + b_1 l + b_2 l',     l = gear q,   torque = gear force
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .compiled_model import CompiledModel
 from .description import Actuator
 
-if TYPE_CHECKING:
-    from .mjcf import Mjcf
-
+# Relative difference of two gains that count as one.
 SAME_GAIN = 1e-9
-"""relative difference of two gains that count as one"""
 
 
-def actuators_of(mjcf: "Mjcf") -> tuple[Actuator, ...]:
+def actuators_of(mjcf: CompiledModel) -> tuple[Actuator, ...]:
     """The actuators that are motors; the others are left out by name."""
     found = (_actuator(mjcf, a) for a in range(mjcf.model.nu))
     return tuple(actuator for actuator in found if actuator is not None)
 
 
-def _actuator(mjcf: "Mjcf", a: int) -> Actuator | None:
+def _actuator(mjcf: CompiledModel, a: int) -> Actuator | None:
     m = mjcf.model
     name = str(m.actuator(a).name) or f"actuator {a + 1}"
     kind, gains = _kind(mjcf, a)
@@ -36,6 +34,7 @@ def _actuator(mjcf: "Mjcf", a: int) -> Actuator | None:
             mjcf.leave_out(f"actuator {name!r}: {key.partition('_')[2]}")
     gear = float(m.actuator_gear[a][0])
     _tell_controls(mjcf, a, name, kind, gear)
+    # A gear acts twice: on the length that is measured, and on the force.
     stiffness, damping = (gain * gear**2 for gain in gains)
     return Actuator(
         name,
@@ -47,7 +46,7 @@ def _actuator(mjcf: "Mjcf", a: int) -> Actuator | None:
     )
 
 
-def _kind(mjcf: "Mjcf", a: int) -> tuple[Any, tuple[float, float]]:
+def _kind(mjcf: CompiledModel, a: int) -> tuple[Any, tuple[float, float]]:
     """What the control is of a motor, with its stiffness and damping; None of another kind."""
     m, mujoco = mjcf.model, mjcf.mujoco
     joint = int(m.actuator_trnid[a][0])
@@ -73,7 +72,7 @@ def _kind(mjcf: "Mjcf", a: int) -> tuple[Any, tuple[float, float]]:
     return None, (0.0, 0.0)
 
 
-def _tell_controls(mjcf: "Mjcf", a: int, name: str, kind: str, gear: float) -> None:
+def _tell_controls(mjcf: CompiledModel, a: int, name: str, kind: str, gear: float) -> None:
     """What the input of the motor is, where it is not the control, and limits of the control."""
     m = mjcf.model
     factor = gear * float(m.actuator_gainprm[a][0]) if kind == "torque" else 1.0 / gear

@@ -1,21 +1,17 @@
 """Geometries of MJCF as figures of links."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..superelement import figures
+from .compiled_model import CompiledModel
 from .description import Geometry, Visual
 from .poses import Pose, at, by_quaternion
 
-if TYPE_CHECKING:
-    from .mjcf import Mjcf
-
+# Geometries of this group and beyond are those of collisions, which MuJoCo does not draw either.
 HIDDEN_GROUP = 3
-"""geometries of this group and beyond are those of collisions, which MuJoCo does not draw either"""
 
 
-def visuals_of(mjcf: "Mjcf", body: int) -> tuple[Visual, ...]:
+def visuals_of(mjcf: CompiledModel, body: int) -> tuple[Visual, ...]:
     """The figures of the geometries of a body that are drawn."""
     m = mjcf.model
     first, n = int(m.body_geomadr[body]), int(m.body_geomnum[body])
@@ -27,7 +23,7 @@ def visuals_of(mjcf: "Mjcf", body: int) -> tuple[Visual, ...]:
     )
 
 
-def _visuals(mjcf: "Mjcf", g: int) -> list[Visual]:
+def _visuals(mjcf: CompiledModel, g: int) -> list[Visual]:
     m, types = mjcf.model, mjcf.mujoco.mjtGeom
     pose = Pose(by_quaternion(np.roll(m.geom_quat[g], -1)), np.array(m.geom_pos[g]))
     kind, size = int(m.geom_type[g]), np.array(m.geom_size[g])
@@ -44,8 +40,9 @@ def _visuals(mjcf: "Mjcf", g: int) -> list[Visual]:
             parts += [Visual(pose @ at((0.0, 0.0, z)), ball) for z in (-half, half)]
         return parts
     if kind == types.mjGEOM_ELLIPSOID:
-        ball = figures.sphere(1.0)
-        return [Visual(pose, Geometry("mesh", size, facets=(ball.points, ball.triangles)))]
+        round_one = figures.sphere(1.0)
+        facets = round_one.points, round_one.triangles
+        return [Visual(pose, Geometry("mesh", size, facets=facets))]
     if kind == types.mjGEOM_MESH:
         return [Visual(pose, _mesh(mjcf, int(m.geom_dataid[g])))]
     name = types(kind).name.removeprefix("mjGEOM_").lower()
@@ -53,7 +50,7 @@ def _visuals(mjcf: "Mjcf", g: int) -> list[Visual]:
     return []
 
 
-def _mesh(mjcf: "Mjcf", number: int) -> Geometry:
+def _mesh(mjcf: CompiledModel, number: int) -> Geometry:
     m = mjcf.model
     points = slice(
         int(m.mesh_vertadr[number]), int(m.mesh_vertadr[number] + m.mesh_vertnum[number])

@@ -6,7 +6,7 @@ from ..inputs import is_name
 from ..inputs.names import MAX_NAME_LENGTH, NAME_SEPARATORS
 
 # What a name without a character that may stand in one becomes.
-UNNAMED = "part"
+UNNAMED_PART = "part"
 
 
 class Names:
@@ -35,4 +35,4 @@ def plain(wanted: str) -> str:
         character if character.isprintable() and character not in NAME_SEPARATORS else "_"
         for character in wanted
     )
-    return kept[:MAX_NAME_LENGTH] or UNNAMED
+    return kept[:MAX_NAME_LENGTH] or UNNAMED_PART

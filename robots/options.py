@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+# [s]: some 60 steps in a bounce off a stop of `STOP_FREQUENCY`.
 DEFAULT_STEP = 5e-4
-"""[s]: some 60 steps in a bounce off a stop of `STOP_FREQUENCY`"""
+# [rad/s] of a stop with the largest inertia behind it, where nobody says how stiff it is.
 STOP_FREQUENCY = 100.0
-"""[rad/s] of a stop with the largest inertia behind it, where nobody says how stiff it is"""
+# Of stops, of which robots say nothing: rubber, not steel.
 STOP_RESTITUTION = 0.2
-"""of stops, of which robots say nothing: rubber, not steel"""
 
 
 @dataclass(frozen=True)

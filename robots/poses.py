@@ -43,8 +43,8 @@ def at(p: Sequence[float] | Array, R: Array | None = None) -> Pose:
     return Pose(np.eye(3) if R is None else R, np.array(p, dtype=float))
 
 
-HERE = at((0.0, 0.0, 0.0))
-"""the outer axes themselves"""
+# The outer axes themselves.
+AT_ORIGIN = at((0.0, 0.0, 0.0))
 
 
 def by_fixed_axes(rpy: Sequence[float] | Array) -> Array:

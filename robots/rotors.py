@@ -18,10 +18,10 @@ from .names import Names
 from .poses import Pose
 from .tree import Tree
 
+# [m] of a rotor: large, so that the mass that it adds is small.
 RADIUS_OF_GYRATION = 0.1
-"""[m] of a rotor: large, so that the mass that it adds is small"""
+# Inertia of a rotor across its axis over that about it: a short cylinder.
 ACROSS_OVER_AXIAL = 0.6
-"""inertia of a rotor across its axis over that about it: a short cylinder"""
 
 
 def rotor(joint: NamedJoint, tree: Tree, ratio: float, names: Names) -> Iterator[Section]:

@@ -83,7 +83,7 @@ class Shaper:
         pose, geometry = visual.pose, visual.geometry
         size = geometry.size
         p = tidy(pose.p, body_size)
-        center = {"center": p} if p.any() else {}
+        center: dict[str, Any] = {"center": p} if p.any() else {}
         if geometry.kind == "sphere":
             return {"sphere": float(size[0])} | center
         if geometry.kind == "cylinder":
@@ -98,7 +98,7 @@ class Shaper:
         return self._file_as_it_is(geometry, pose, center)
 
     def _file_as_it_is(
-        self, geometry: Geometry, pose: Pose, center: Mapping[str, Any]
+        self, geometry: Geometry, pose: Pose, center: dict[str, Any]
     ) -> Mapping[str, Any] | None:
         scale = float(geometry.size[0])
         turned = np.abs(pose.R - np.eye(3)).max() > AXES_TOLERANCE

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from .description import Joint, Robot
 from .errors import RobotError
-from .poses import HERE, Pose, by_rotation_vector
+from .poses import AT_ORIGIN, Pose, by_rotation_vector
 
-GROUND = ""
+ON_GROUND = ""
 """what the links of a fixed base belong to; no link has this name, as one may have "ground\""""
 
 
@@ -52,7 +52,7 @@ def tree_of(robot: Robot, starts: Mapping[str, float]) -> Tree:
     for joint in robot.joints:
         children.setdefault(joint.parent, []).append(joint)
     ordered: dict[str, Joint] = {}
-    pose = {root: HERE}
+    pose = {root: AT_ORIGIN}
     # A list, not recursion: chains of thousands of links are read too.
     waiting = [root]
     while waiting:
@@ -70,9 +70,9 @@ def tree_of(robot: Robot, starts: Mapping[str, float]) -> Tree:
 def moved(joint: Joint, motion: float) -> Pose:
     """Where a child is whose joint has moved from its reference, in the axes that it had there."""
     if joint.coordinate is None or motion == 0.0:
-        return HERE
+        return AT_ORIGIN
     if joint.type == "prismatic":
-        return Pose(HERE.R, motion * joint.axis)
+        return Pose(AT_ORIGIN.R, motion * joint.axis)
     R = by_rotation_vector(motion * joint.axis)
     # The axis through the anchor stays where it is.
     return Pose(R, joint.anchor - R @ joint.anchor)
@@ -85,6 +85,7 @@ def _incoming(robot: Robot) -> dict[str, Joint]:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in robot.links:
                 raise _error(robot, f"joint {joint.name!r}: {role}: no link {link!r}")
+        # A loop of one link, which would have no root either.
         if joint.parent == joint.child:
             raise _error(robot, f"joint {joint.name!r}: parent and child are {joint.child!r}")
         if (other := incoming.get(joint.child)) is not None:
@@ -98,12 +99,13 @@ def _incoming(robot: Robot) -> dict[str, Joint]:
 
 
 def owners_of(robot: Robot, tree: Tree, flexible: Collection[str], free: bool) -> dict[str, str]:
-    """The body that each link belongs to, named by its first link, or `GROUND`.
+    """The body that each link belongs to, named by its first link, or `ON_GROUND`.
 
     Links on fixed joints belong to the body of their parent. A flexible link is a body of its own,
     and so is what has mass on a fixed joint of it; free: whether the root is a body.
     """
-    owner = {tree.root: tree.root if free else GROUND}
+    # Parents come first in the tree, so their owners are known.
+    owner = {tree.root: tree.root if free else ON_GROUND}
     for link, joint in tree.incoming.items():
         parent = owner[joint.parent]
         apart = link in flexible or (parent in flexible and _fixed_mass(robot, tree, link))

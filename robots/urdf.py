@@ -13,10 +13,11 @@ import numpy as np
 from .description import Geometry, Inertial, Joint, JointType, Link, Mimic, Robot, Visual
 from .errors import RobotError
 from .node import LeftOut, Node
-from .poses import HERE, Pose, by_fixed_axes, by_quaternion
+from .poses import AT_ORIGIN, Pose, by_fixed_axes, by_quaternion
 from .xml import elements
 
-TYPES: Mapping[str, JointType] = {
+# Joints of URDF by those of a description; a continuous one is a revolute one without limits.
+JOINT_TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",
     "revolute": "revolute",
     "continuous": "revolute",
@@ -24,10 +25,9 @@ TYPES: Mapping[str, JointType] = {
     "planar": "planar",
     "floating": "floating",
 }
-"""joints of URDF by those of a description; a continuous one is a revolute one without limits"""
-COLLISIONS = "collision geometry: give [[contacts]] where parts touch"
+COLLISIONS_LEFT_OUT = "collision geometry: give [[contacts]] where parts touch"
+# What values of xacro files begin with, before they are expanded.
 XACRO_MARKS = "${", "$("
-"""what values of xacro files begin with, before they are expanded"""
 
 
 def read_urdf(path: Path, root: Element) -> Robot:
@@ -62,7 +62,7 @@ def _link(node: Node) -> Link:
         ("name",), ("inertial", "visual", "collision"), silent=("type", "material", "verbose")
     )
     for _ in node.element.findall("collision"):
-        node.left_out.counts[COLLISIONS] += 1
+        node.left_out.counts[COLLISIONS_LEFT_OUT] += 1
     inertial = node.child("inertial")
     visuals = tuple(visual for each in node.each("visual") if (visual := _visual(each)))
     return Link(node.name, None if inertial is None else _inertial(inertial), visuals)
@@ -93,7 +93,7 @@ def _origin(node: Node) -> Pose:
     """The pose of an element by its <origin>, by default none."""
     origin = node.child("origin")
     if origin is None:
-        return HERE
+        return AT_ORIGIN
     origin.reads(("xyz", "rpy", "quat_xyzw"))
     zero = (0.0, 0.0, 0.0)
     p, rpy = origin.numbers("xyz", 3, zero), origin.numbers("rpy", 3, zero)
@@ -145,11 +145,12 @@ def _joint(node: Node) -> Joint:
         ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
     )
     given = node.word("type")
-    if given not in TYPES:
-        raise node.error(f"type: expected {', '.join(TYPES)}, got {given!r}")
+    if given not in JOINT_TYPES:
+        raise node.error(f"type: expected {', '.join(JOINT_TYPES)}, got {given!r}")
     parent = node.needed("parent").reads(("link",)).word("link")
     child = node.needed("child").reads(("link",)).word("link")
-    kind, origin = TYPES[given], _origin(node)
+    kind, origin = JOINT_TYPES[given], _origin(node)
+    # Exporters give these joints axes and limits, which mean nothing.
     if kind in ("fixed", "floating"):
         return Joint(node.name, kind, parent, child, origin)
     damping, friction = _dynamics(node)
@@ -175,6 +176,7 @@ def _axis(node: Node) -> np.ndarray:
     if axis is None:
         return np.array([1.0, 0.0, 0.0])
     given = axis.reads(("xyz",)).numbers("xyz", 3)
+    # Axes need not have unit length in files.
     length = float(np.linalg.norm(given))
     if length == 0.0:
         raise axis.error("xyz: expected a direction, got 0 0 0")

@@ -117,6 +117,7 @@ def _flexible_link(text: str) -> "tuple[str, FlexibleLink]":
     """A link and its superelement, of LINK=FILE.h5,JOINT=INTERFACE,..."""
     from ...robots import FlexibleLink
 
+    # The file stands between the first equals sign and the first comma.
     first, *others = text.split(",")
     link, file = _pair("--flexible", first, "LINK=FILE.h5")
     interfaces = dict(_pair("--flexible", other, "JOINT=INTERFACE") for other in others)
