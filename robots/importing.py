@@ -19,7 +19,7 @@ from .shapes import Shaper
 
 @dataclass(frozen=True)
 class ImportedRobot:
-    """What an import has written.
+    """What an import has written, see `import_robot` for an example.
 
     Parameters
     ----------

@@ -23,6 +23,11 @@ class FlexibleLink:
     file : Path
     interfaces : mapping of str
         The interface of each joint of the link, by the name of the joint.
+
+    Examples
+    --------
+    >>> FlexibleLink(Path("fore.h5"), {"elbow": "root", "wrist": "tip"}).interfaces["wrist"]
+    'tip'
     """
 
     file: Path
