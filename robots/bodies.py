@@ -74,6 +74,7 @@ class ModelBody:
         size = self.size
         for name, pose in self.frames.items():
             values[f"frames.{name}"] = _frame(pose, size)
+        # Last, for a shape says nothing of the motion.
         values |= {"shape": self.shape} if self.shape else {}
         is_ground = self.name == GROUND_NAME
         head = table_head(GROUND_NAME) if is_ground else table_head("bodies", self.name)

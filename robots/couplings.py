@@ -114,6 +114,7 @@ def largest_inertia(joint: Joint, robot: Robot, tree: Tree) -> tuple[float, str]
         return sum(masses.values()) + joint.armature, "kg"
     way = {joint.child: 0.0}
     total = joint.armature
+    # Links come after their parents, so the way to the parent is known.
     for link in links:
         if link not in way:
             way[link] = way[tree.incoming[link].parent] + _length(tree.incoming[link])

@@ -63,6 +63,7 @@ def inline(value: Any) -> str:
     """A value on one line; numbers read back as they are."""
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{_key(key)} = {inline(inner)}' for key, inner in value.items())}}}"
+    # Arrays print as numpy's, lists as those of TOML.
     if isinstance(value, np.ndarray):
         return inline(value.tolist())
     if isinstance(value, list | tuple):

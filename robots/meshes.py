@@ -45,6 +45,7 @@ def _candidates(name: str, robot: Path, packages: Sequence[Path]) -> Iterator[Pa
         yield folder / name.removeprefix("file://")
         return
     package, rest = in_package.groups()
+    # What the user says comes before what lies around.
     for parent in packages:
         yield parent / package / rest
     for parent in (folder, *folder.parents):

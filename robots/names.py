@@ -18,6 +18,7 @@ class Names:
     def new(self, wanted: str) -> str:
         """The name that is nearest to a wanted one, and from now on in use."""
         name = plain(wanted)
+        # Numbered as the solver numbers what has no name: "revolute 2".
         number = 2
         while name in self.taken:
             ending = f" {number}"

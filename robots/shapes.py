@@ -62,6 +62,7 @@ class Shaper:
                 parts.append(self._facets(visual))
             except MeshError as error:
                 told.append(str(error))
+        # One file for all: a body of a model has one shape.
         if parts:
             path = self.folder / f"{self.names.new(body.name)}.stl"
             self.facets[path] = _joined(parts)

@@ -27,6 +27,7 @@ class _Reader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        # ElementTree's own parser hides the hooks that are needed here.
         self.builder = TreeBuilder()
         self.depth = 0
         # Given here, the encoding counts and not what the file says: the text is read by now.
