@@ -99,4 +99,4 @@ def row_width(lowered: LoweredModel) -> int:
 
 def _sizes_of_output(lowered: LoweredModel) -> dict[str, int]:
     kept = sizes_of_kept(lowered.system.surfaces, lowered.model.settings.output)
-    return sizes_of(lowered.system, lowered.n_steps) | kept
+    return {**sizes_of(lowered.system, lowered.n_steps), **kept}
