@@ -4,8 +4,8 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
-PACKAGES := files inputs superelement results preprocess solver view study cli
-DATA := $(wildcard cli/starters/*/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
+PACKAGES := files inputs superelement results preprocess solver view study fmu cli
+DATA := $(wildcard cli/starters/*/* fmu/c/* fmu/c/fmi/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
 # Each process takes one thread. A file's tests go to one of them, for what they share is made once.

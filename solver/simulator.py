@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ..files.blas import one_blas_thread
 from ..results.batches import Batch, Energies
 from ..results.motion import Energy, Events
 from ..results.results import Results
@@ -20,11 +19,10 @@ from .checkpoint.carried import Snapshot, carried
 from .checkpoint.saved_state import SavedState
 from .errors import ModelError, ValidityWarning, about
 from .history.uniform import UniformConvolution
-from .lower.allocation import make_output
 from .model.model import Model
 from .model.settings import Settings
 from .output.branches import Branches
-from .output.columns import axes_of, check_names, views
+from .output.columns import axes_of, views
 from .output.events import waiting
 from .output.passages import check_passages, check_resolution
 from .output.recording import Recording
@@ -32,10 +30,9 @@ from .output.validity import ValidityMonitor, check_range
 from .output.writer import check_output
 from .signals.curves import Input
 from .simulation import failure, signals, start_warnings
-from .start.initial import initialize, lower_to_start
 from .step.loop import advance
 from .step.record import record
-from .step.system import Inputs, Run
+from .stepper import Stepper
 
 # Signals that are no inputs are sampled at once for so many steps, and inputs are checked as often.
 STEPS_AHEAD = 256
@@ -123,19 +120,11 @@ class Simulator:
         path = None if results is None else Path(results)
         if path is not None:
             check_output(path, model)
-        with about(model.path), one_blas_thread():
-            lowered, source = lower_to_start(model)
-            # Inputs of one step at a time cannot be taken back.
-            if lowered.flight is not None:
-                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
-            if source and lowered.system.elastic.kernels.lags.any():
-                raise ModelError("start: a Simulator continues a run only with recursive history")
-            check_names(lowered, outputs)
-            initial = initialize(model, lowered, source)
-            lowered, state = initial.lowered, initial.state
-            check_range(lowered, state, 0)
-            output = make_output(lowered, 1)
-            sources = {name: views(lowered, name, output) for name in outputs}
+        stepper = Stepper(model, outputs)
+        lowered, initial, run = stepper.lowered, stepper.initial, stepper.run
+        state, output = run.state, run.output
+        sources = {name: views(lowered, name, output) for name in outputs}
+        with about(model.path):
             self._recording = None if path is None else Recording(path, initial)
         for line in start_warnings(initial):
             warnings.warn(line, ValidityWarning, stacklevel=2)
@@ -145,33 +134,22 @@ class Simulator:
         ranges = np.split(self._outputs, np.cumsum(lengths)[:-1]) if outputs else []
         self.views: Mapping[str, Array] = dict(zip(outputs, ranges, strict=True))
         """the chosen outputs by name, each (n,)"""
-        self._lowered, self._state, self._work = lowered, state, initial.work
+        self._lowered, self._state, self._work = lowered, state, run.work
         self._removed, self._contacts = initial.removed, state.contacts
-        self._run = Run(system=lowered.system, state=state, work=initial.work, output=output)
-        sampled = [*lowered.load_signals, *lowered.drives, *lowered.motor_signals]
-        self.inputs = tuple(dict.fromkeys(s.name for s in sampled if isinstance(s, Input)))
+        self._run = run
+        self.inputs = stepper.input_names
         """the names of the inputs"""
-        load, drive = np.zeros((1, len(lowered.load_signals))), np.zeros((1, len(lowered.drives)))
-        motor = np.zeros((1, len(lowered.motor_signals)))
-        self._load, self._drive, self._motor = load[0], drive[0], motor[0]
+        self._next, self._last = stepper.inputs, stepper.last
         self._destinations = [
-            (values, i, self.inputs.index(signal.name))
-            for values, kind in (
-                (self._load, lowered.load_signals),
-                (self._drive, lowered.drives),
-                (self._motor, lowered.motor_signals),
-            )
-            for i, signal in enumerate(kind)
+            (place, self.inputs.index(signal.name))
+            for place, signal in stepper.signals
             if isinstance(signal, Input)
         ]
-        """(array, index in it, number of the input)"""
-        self._all_are_inputs = all(isinstance(signal, Input) for signal in sampled)
-        row = np.zeros(1, dtype=np.int64)
-        self._next = Inputs(load=load, drive=drive, motor=motor, row=row, ahead=1)
-        self._last = self._next.replace(ahead=0)
+        """(its place, number of the input)"""
+        self._all_are_inputs = len(self._destinations) == len(stepper.signals)
         self._convolution = UniformConvolution(lowered.system.elastic)
         self._number, self._n_steps, self._h = int(state.step[0]), lowered.n_steps, lowered.h
-        self._live = carried(state=state, work=initial.work, output=output)
+        self._live = carried(state=state, work=run.work, output=output)
         self._sampled_from = 0
         self._begin, self._output, self._has_ended = self._number, output, False
         self._branches, self._has_warned = Branches(lowered), False
@@ -179,10 +157,8 @@ class Simulator:
         self._told: deque[tuple[float, ...]] = deque(maxlen=STEPS_AHEAD)
         record(self._run, 0)
         self._start = Energies.of(output)
-        # No steps, but `ahead`: the free response of the first step is made before its inputs are
-        # known.
-        none = Inputs(load=load[:0], drive=drive[:0], motor=motor[:0], row=row[:0], ahead=1)
-        advance(self._run, none)
+        # The free response of the first step is made before its inputs are known.
+        advance(self._run, stepper.first)
         self._gather()
 
     @property
@@ -218,8 +194,8 @@ class Simulator:
             raise ModelError(f"t_end = {t_end:.9g} s has been reached")
         if not self._all_are_inputs:
             self._set_signals(number)
-        for values, i, k in self._destinations:
-            values[i] = inputs[k]
+        for place, k in self._destinations:
+            place[0] = inputs[k]
         self._told.append(tuple(inputs))
         # a kernel ends with the run
         last = number == self._n_steps
@@ -348,9 +324,9 @@ class Simulator:
             n = min(STEPS_AHEAD, self._n_steps - first + 1)
             self._sampled = signals(self._lowered, first, np.zeros(n, dtype=np.int64))
             self._sampled_from = first
-        self._load[:] = self._sampled.load[k]
-        self._drive[:] = self._sampled.drive[k]
-        self._motor[:] = self._sampled.motor[k]
+        self._next.load[0] = self._sampled.load[k]
+        self._next.drive[0] = self._sampled.drive[k]
+        self._next.motor[0] = self._sampled.motor[k]
 
 
 def _chatters(values: Array) -> bool:

@@ -20,7 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LIMITS = ROOT / "tools" / "budget.toml"
 PACKAGES = (
-    *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study", "cli"),
+    *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
+    *("fmu", "cli"),
     "top",
 )
 COUPLINGS = ROOT / "solver" / "couplings"

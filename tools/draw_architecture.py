@@ -22,6 +22,7 @@ Arrow = tuple[str, str]
 ABOUT = {
     "cli": "the command duhamel",
     "study": "many runs, from one file",
+    "fmu": "models for other programs",
     "view": "pictures of bodies, models and results",
     "results": "the motion of a run: contract of the solver with its readers",
     "superelement": "an elastic body as its interfaces feel it: contract of preprocess and solver",
@@ -74,6 +75,7 @@ ABOUT = {
     "solver/simulation": "all steps to t_end",
     "solver/plausibility": "doubts about models",
     "solver/inspection": "what a run would be",
+    "solver/stepper": "the records of one step at a time",
     "solver/simulator": "one step at a time",
     "solver/linear": "modes, responses",
 }
@@ -82,6 +84,7 @@ ABOUT = {
 TINTS = {
     "cli": ("#f1f3f5", "#868e96"),
     "study": ("#f1f3f5", "#868e96"),
+    "fmu": ("#f1f3f5", "#868e96"),
     "view": ("#f1f3f5", "#868e96"),
     "files": ("#ffe3e3", "#c2255c"),
     "inputs": ("#fff3bf", "#e8930c"),
@@ -348,7 +351,8 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
     full = right - MARGIN
     return {
         "cli": Box("cli", MARGIN, MARGIN, full, top),
-        "study": Box("study", MARGIN, y_study, x_side - space - MARGIN, top),
+        "study": Box("study", MARGIN, y_study, widths["preprocess"], top),
+        "fmu": Box("fmu", x_solver, y_study, widths["solver"], top),
         "preprocess": Box("preprocess", MARGIN, y_walk, widths["preprocess"], walk),
         "solver": Box("solver", x_solver, y_walk, widths["solver"], walk),
         "view": Box("view", x_side, y_walk, side, 96.0),

@@ -20,7 +20,11 @@ PACKAGES: dict[str, set[str]] = {
     "solver": {"files", "inputs", "superelement", "results"},
     "view": {"files", "superelement", "results"},
     "study": {"files", "inputs", "superelement", "results", "preprocess", "solver"},
-    "cli": {"files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"},
+    "fmu": {"files", "inputs", "results", "solver"},
+    "cli": {
+        *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
+        "fmu",
+    },
 }
 """All packages, and the others that each of them may import, which stand before it."""
 
@@ -69,6 +73,19 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "writing",
         "in_memory",
     ),
+    "fmu": (
+        "errors",
+        "naming",
+        "parameters",
+        "variables",
+        "segments",
+        "image",
+        "description",
+        "library",
+        "archive",
+        "export",
+        "__init__",
+    ),
     "solver": (
         "arrays",
         "errors",
@@ -89,6 +106,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "plausibility",
         "simulation",
         "inspection",
+        "stepper",
         "simulator",
         "linear",
         "__init__",

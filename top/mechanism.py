@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Self, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar, overload
 
 import numpy as np
 from duhamel import solver, superelement, view
@@ -20,6 +20,9 @@ from .parts import Part
 from .pictures import embedded
 from .quantities import quantity_of
 from .runs import Run
+
+if TYPE_CHECKING:
+    from duhamel import fmu
 
 MODEL_GROUPS = ("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers")
 """the arrays of a model, one for each kind of what is between bodies"""
@@ -367,6 +370,38 @@ class Mechanism:
         """A simulation step by step, for controllers: see `duhamel.solver.Simulator`."""
         self._last = self._settings(t_end, step, settings)
         return solver.Simulator(self.model(self._last), outputs, results=results)
+
+    def export_fmu(
+        self,
+        path: str | os.PathLike[str],
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        outputs: Sequence[str] = (),
+        parameters: Sequence[str] = (),
+        communication: float | None = None,
+        platforms: Sequence[str] = (),
+        version: int = 3,
+        cpu: str = "x86-64-v3",
+        **settings: Any,
+    ) -> "fmu.ExportedModel":
+        """Write an FMU, which other programs step without Python: see `duhamel.fmu.export_fmu`.
+
+        t_end, step and settings are those of `simulate`; signals `du.signals.Input` are inputs.
+        """
+        from duhamel import fmu  # a simulation needs none of it
+
+        self._last = self._settings(t_end, step, settings)
+        return fmu.export_fmu(
+            self.model(self._last),
+            path,
+            outputs=outputs,
+            parameters=parameters,
+            communication=communication,
+            platforms=platforms,
+            version=version,
+            cpu=cpu,
+        )
 
     def check(
         self, t_end: float | None = None, step: float | None = None, **settings: Any

@@ -13,7 +13,8 @@ type models, attribute and operator templates, `CPUDispatcher`, the default pipe
 import gc
 import operator
 import os
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -42,6 +43,7 @@ from .foreign import call_by_address
 from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS, OBJECT_MARK, Entry
 from .memory import copy
 from .struct import ArrayField, Struct
+from .targets import COMPILED_TARGETS, CodeTarget
 
 NUMBA_OPTIONS = {
     "nopython": True,
@@ -83,24 +85,28 @@ class View(types.Type):  # type: ignore[misc]
 
 
 def main() -> None:
-    """Write the object file of all entries to standard output, after `OBJECT_MARK`.
+    """Write the object files of the targets that the arguments name to standard output.
 
-    What numba or others print goes to standard error.
+    Each after `OBJECT_MARK`. What numba or others print goes to standard error.
     """
     from .. import step as step  # all compiled functions are registered now
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        output.write(OBJECT_MARK + build())
+        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]]):
+            output.write(OBJECT_MARK + code)
 
 
-def build() -> bytes:
-    """The object file of all entries; any exception where numba is not as expected."""
+def build(targets: Iterable[CodeTarget]) -> list[bytes]:
+    """An object file of all entries for each target; any exception where numba is not as expected.
+
+    Functions are typed once for all targets, which takes two thirds of the time.
+    """
     with _fewer_collections():
         libraries: list[Any] = []
         dispatchers = _dispatchers(libraries)
-        module = _entry_module(dispatchers)
-        return _emitted(module, libraries)
+        module = _linked(_entry_module(dispatchers), libraries)
+        return [_emitted(module.clone(), target) for target in targets]
 
 
 @contextmanager
@@ -150,8 +156,8 @@ def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
     return module
 
 
-def _emitted(module: Any, libraries: list[Any]) -> bytes:
-    """One module out of all, optimized; nothing but the entries can be seen from outside."""
+def _linked(module: Any, libraries: list[Any]) -> Any:
+    """One module out of all; nothing but the entries can be seen from outside."""
     final = llvm.parse_assembly(cgutils.normalize_ir_text(str(module)))
     final.name = "duhamel"
     for library in _with_linked(libraries):
@@ -164,18 +170,29 @@ def _emitted(module: Any, libraries: list[Any]) -> bytes:
     for variable in final.global_variables:
         if not variable.is_declaration:
             variable.linkage = "internal"
+        if variable.name.startswith("numba.dynamic.globals"):
+            # An address of this process has no meaning in the next.
+            raise NotImplementedError("a compiled function reads a large array by its address")
     # The object file is loaded without a linker: what is not known here would crash at its first
     # call.
     missing = {f.name for f in final.functions if f.is_declaration} - KNOWN_FUNCTIONS
     if strange := [name for name in missing if not name.startswith("llvm.")]:
         raise LookupError(f"undefined functions: {sorted(strange)}")
-    for variable in final.global_variables:
-        if variable.name.startswith("numba.dynamic.globals"):
-            # An address of this process has no meaning in the next.
-            raise NotImplementedError("a compiled function reads a large array by its address")
-    machine = _target_machine()
-    _optimize(final, machine)
-    return bytes(machine.emit_object(final))
+    return final
+
+
+def _emitted(module: Any, target: CodeTarget) -> bytes:
+    """A module, optimized for a target: its vectors have other lengths on another processor."""
+    machine = _machine(target)
+    if not target.is_loaded:
+        module.triple = target.triple or llvm.get_process_triple()
+        module.data_layout = str(machine.target_data)
+        for function in module.functions:
+            if not function.is_declaration and function.linkage != llvm.Linkage.internal:
+                # Two libraries in one process must not call each other's functions of this name.
+                function.visibility = "hidden"
+    _optimize(module, machine)
+    return bytes(machine.emit_object(module))
 
 
 def _optimize(module: Any, machine: Any) -> None:
@@ -207,16 +224,19 @@ def _with_linked(libraries: list[Any]) -> list[Any]:
     return list(found.values())
 
 
-def _target_machine() -> Any:
-    features = llvm.get_host_cpu_features().flatten()
-    target = llvm.Target.from_triple(llvm.get_process_triple())
-    return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=features,
+def _machine(target: CodeTarget) -> Any:
+    """What emits code for a target."""
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    chosen = llvm.Target.from_triple(target.triple or llvm.get_process_triple())
+    own = "" if target.cpu else llvm.get_host_cpu_features().flatten()
+    linking = {"reloc": "pic", "codemodel": "default"}
+    loading = {"reloc": "static", "codemodel": "jitdefault", "jit": True}
+    return chosen.create_target_machine(
+        cpu=target.cpu or llvm.get_host_cpu_name(),
+        features=own,
         opt=LLVM_OPTIMIZATION,
-        reloc="static",
-        codemodel="jitdefault",
-        jit=True,
+        **(loading if target.is_loaded else linking),
     )
 
 

@@ -17,7 +17,7 @@ import re
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import metadata
@@ -28,10 +28,11 @@ import numpy as np
 
 from . import marks
 from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
+from .targets import COMPILED_TARGETS, HOST_TARGET
 
-COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct")
+COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
 """the files of this folder that machine code depends on"""
-MAX_OBJECT_FILES = 8
+MAX_OBJECT_FILES = 16
 """object files that stay in the cache, the newest ones"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
@@ -95,10 +96,8 @@ class BuildError(Exception):
 
 
 @cache
-def key() -> str:
-    """A digest of all that the machine code depends on (16 hexadecimal digits)."""
-    import llvmlite.binding as llvm
-
+def key(target: str = HOST_TARGET) -> str:
+    """A digest of all that the machine code for a target depends on (16 hexadecimal digits)."""
     kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
     compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER_FILES]
@@ -109,8 +108,17 @@ def key() -> str:
     layouts = sorted(record.description() for record in marks.records())
     digest.update(repr(sorted(map(repr, _constants()))).encode())
     versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
-    digest.update(repr((layouts, versions, llvm.get_process_triple(), processor())).encode())
+    digest.update(repr((layouts, versions, *_machine(target))).encode())
     return digest.hexdigest()[:16]
+
+
+def _machine(target: str) -> tuple[str, str]:
+    """The system and the processor of a target."""
+    import llvmlite.binding as llvm
+
+    chosen = COMPILED_TARGETS[target]
+    triple = chosen.triple or llvm.get_process_triple()
+    return f"{triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu or processor()
 
 
 @cache
@@ -136,15 +144,26 @@ def _constants() -> Iterator[tuple[str, Any]]:
 # The cache
 
 
-def _name() -> str:
-    return f"step-{key()}.o"
+def _name(target: str = HOST_TARGET) -> str:
+    return f"step-{key(target)}.o"
 
 
-def _cached_code() -> bytes | None:
+def object_files(targets: Sequence[str]) -> dict[str, bytes]:
+    """The object files for targets by name, kept or made now; `BuildError` where `build` fails.
+
+    Those that are missing are made together: most of the time is that of the first.
+    """
+    kept = {target: _cached_code(target) for target in targets}
+    missing = [target for target, code in kept.items() if code is None]
+    found = {target: code for target, code in kept.items() if code is not None}
+    return found | (_new_codes(missing) if missing else {})
+
+
+def _cached_code(target: str = HOST_TARGET) -> bytes | None:
     """The object file in the cache; None if there is none, or not a whole one, or not our own."""
     try:
         with opened_cache() as folder:
-            content = folder.read(_name())
+            content = folder.read(_name(target))
     except NotPrivateError as refusal:
         tell_once(str(refusal))
         return None
@@ -155,23 +174,36 @@ def _cached_code() -> bytes | None:
 
 
 def _new_code() -> bytes:
-    """The object file made now, and kept if that can be; `BuildError` where `build` fails.
+    """The object file for this machine made now; `BuildError` where `build` fails."""
+    return _new_codes([HOST_TARGET])[HOST_TARGET]
+
+
+def _new_codes(targets: Sequence[str]) -> dict[str, bytes]:
+    """The object files for targets made now, and kept if that can be.
 
     Of several processes that start at once one builds, while the others wait.
     """
-    code = None
+    codes: dict[str, bytes] = {}
     try:
         with opened_cache(make=True) as folder, folder.locked():
-            # Within the lock: of many processes that start at once one compiles.
-            code = _cached_code()  # another process may have made it while this one waited
-            if code is None:
-                code = _built_code()
-                folder.write(_name(), code + hashlib.sha256(code).digest())
-                folder.remove_oldest("step-*.o", MAX_OBJECT_FILES)
-                folder.remove_oldest("step-*.part", MAX_OBJECT_FILES)
+            # Within the lock: of many processes that start at once one compiles, and the others
+            # find what it has made.
+            kept = {target: _cached_code(target) for target in targets}
+            codes = {target: code for target, code in kept.items() if code is not None}
+            codes |= _built(target for target in targets if target not in codes)
+            for target, code in codes.items():
+                if kept[target] is None:
+                    folder.write(_name(target), code + hashlib.sha256(code).digest())
+            folder.remove_oldest("step-*.o", MAX_OBJECT_FILES)
+            folder.remove_oldest("step-*.part", MAX_OBJECT_FILES)
     except OSError as error:
         _announce(f"compiled code cannot be kept (DUHAMEL_CACHE names a folder): {error}")
-    return code or _built_code()
+    return codes | _built(target for target in targets if target not in codes)
+
+
+def _built(targets: Iterable[str]) -> dict[str, bytes]:
+    names = list(targets)
+    return dict(zip(names, _built_codes(names), strict=True)) if names else {}
 
 
 # Building
@@ -194,40 +226,41 @@ def _quick_code(required: bool) -> bytes | None:
         return None
 
 
-def _built_code() -> bytes:
-    """The object file made now, in a process of its own; `BuildError` where `build` fails.
+def _built_codes(targets: Sequence[str]) -> list[bytes]:
+    """The object files for targets made now, in a process of its own; `BuildError` where it fails.
 
     The process leaves nothing behind, neither of numba's 200 MB nor of a failure. Where Python is
-    embedded in another program there is none to be started, and it is made in this one.
+    embedded in another program there is none to be started, and they are made in this one.
     """
-    _announce("compiling the time step, about 15 seconds; later runs find it compiled")
+    seconds = 8 + 7 * len(targets)
+    _announce(f"compiling the time step, about {seconds} seconds; later runs find it compiled")
     if not sys.executable or hasattr(sys, "frozen"):
-        return _built_here()
+        return _built_here(targets)
     try:
         process = subprocess.run(
             # -P: without it Python imports first what lies in the folder that the user is in
-            [sys.executable, "-P", "-c", f"from {__package__}.build import main; main()"],
+            [sys.executable, "-P", "-c", f"from {__package__}.build import main; main()", *targets],
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdin=subprocess.DEVNULL,
             capture_output=True,
         )
     except OSError:
-        return _built_here()
+        return _built_here(targets)
     # Libraries may print while they are imported: the code begins after the mark.
-    _, mark, code = process.stdout.partition(marks.OBJECT_MARK)
-    if process.returncode or not mark:
+    _, *codes = process.stdout.split(marks.OBJECT_MARK)
+    if process.returncode or len(codes) != len(targets):
         report = process.stderr.decode(errors="replace")
         if os.environ.get("DUHAMEL_COMPILER") == "quick":
             raise BuildError(report)
         raise BuildError(_reason(report) or f"its process ended with {process.returncode}")
-    return code
+    return codes
 
 
-def _built_here() -> bytes:
+def _built_here(targets: Sequence[str]) -> list[bytes]:
     try:
         from .build import build
 
-        return build()
+        return build([COMPILED_TARGETS[target] for target in targets])
     except Exception as error:
         raise BuildError(f"{type(error).__name__}: {error}") from error
 

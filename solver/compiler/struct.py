@@ -183,6 +183,18 @@ class Struct:
         """A record with other values of some fields, which shares all other arrays."""
         return type(self)(**{name: getattr(self, name) for name in self.layout} | values)
 
+    def pointers(self, first: int = 0) -> Iterator[tuple[int, Any]]:
+        """All arrays, those of records within included, with the words that have their addresses.
+
+        first: the first word of this record.
+        """
+        for name, (at, kind) in self.layout.items():
+            value = getattr(self, name)
+            if isinstance(value, Struct):
+                yield from value.pointers(first + at)
+            elif isinstance(kind, ArrayField):
+                yield first + at, value
+
     def leaves(self) -> Iterator[tuple[str, Any]]:
         """All arrays and numbers with their names, "bodies/mass", in the order of declaration."""
         for name in self.layout:

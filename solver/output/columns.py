@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from ...inputs.errors import did_you_mean
 from ...results.contents import Contents, SuperelementFile, attributes_of, lay_out
 from ...results.dimensions import Axis
 from ...results.motion import OWNERS_OF_GROUP, QUANTITIES
+from ...results.quantity import Quantity
 from ...superelement.sensor import CHANNELS_OF_KIND
 from ..arrays import Array
 from ..couplings.coupling import GROUND
@@ -175,10 +177,34 @@ def check_names(lowered: LoweredModel, names: Iterable[str]) -> None:
             raise ModelError(f"outputs: no {name!r}{did_you_mean(name, known, n=3)}")
 
 
+class Cell(NamedTuple):
+    """A number of an output: its quantity, its unit, and a view (1,) of it in the output."""
+
+    quantity: Quantity
+    unit: str
+    place: Array
+
+
 def views(lowered: LoweredModel, name: str, output: Output) -> list[Array]:
     """Views (n,) of the output of one step that make up a quantity, as "joints/pivot/angle"."""
     check_names(lowered, [name])
-    return [view.reshape(-1) for view in _views(axes_of(lowered), name, output)]
+    return [view.reshape(-1) for _, _, view in _views(axes_of(lowered), name, output)]
+
+
+def cells(lowered: LoweredModel, name: str, output: Output) -> list[Cell]:
+    """The numbers of a quantity, in the order of `views`."""
+    check_names(lowered, [name])
+    axes, found = axes_of(lowered), list[Cell]()
+    for quantity, entries, view in _views(axes, name, output):
+        numbers = view.reshape(-1)
+        units = quantity.units(axes, entries)
+        # Units differ from entry to entry, which may have several components each.
+        of_each = np.repeat(np.array(units, dtype=object), numbers.size // max(len(units), 1))
+        found += [
+            Cell(quantity, str(unit), numbers[i : i + 1])
+            for i, unit in enumerate(of_each[: numbers.size])
+        ]
+    return found
 
 
 def available(lowered: LoweredModel) -> dict[str, None]:
@@ -192,7 +218,10 @@ def available(lowered: LoweredModel) -> dict[str, None]:
     return dict.fromkeys(names)
 
 
-def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
+def _views(
+    axes: dict[str, Axis], name: str, output: Output
+) -> Iterator[tuple[Quantity, Any, Array]]:
+    """Views of the output, each with its quantity and the entries of that."""
     key, _, attribute = name.rpartition("/")
     group, _, owner = key.partition("/")
     if group in OWNERS_OF_GROUP:
@@ -203,7 +232,7 @@ def _views(axes: dict[str, Axis], name: str, output: Output) -> Iterator[Array]:
                     # A slice is a view into the output; an index by a tuple would be a copy that no
                     # step changes.
                     rows = slice(rows[0], rows[-1] + 1) if rows else slice(0)
-                yield getattr(output, quantity.source)[:1, rows]
+                yield quantity, entries, getattr(output, quantity.source)[:1, rows]
     for quantity in QUANTITIES:
         if quantity.key == name and not quantity.owned:
-            yield getattr(output, quantity.source)[:1]
+            yield quantity, slice(None), getattr(output, quantity.source)[:1]

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array, as_index
 from ..errors import ModelError, about
 from ..lower.lower import LoweredModel
 from ..step.rows import evaluate_row
 from ..step.system import Workspace
+from ..step.watches import open_row
 from .redundancy import describe_rows
 
 # relative to the size of the model, or rad
@@ -29,18 +31,24 @@ class RemovedRows:
         """The rows by joint, as messages name them."""
         return describe_rows(self.lowered, self.rows)
 
+    @property
+    def limits(self) -> Array:
+        """The openings that they may have [m, rad]."""
+        lengths = self.lowered.measures_lengths[self.rows]
+        return MAX_REMOVED_OPENING * np.where(lengths, self.lowered.system.bodies.size, 1.0)
+
     def check(self, work: Workspace, time: float) -> None:
         """ModelError for a constraint that is open at a time [s]."""
-        rows, lengths = self.lowered.system.couplings.rows, self.lowered.measures_lengths
-        gradient = np.zeros(12)
-        for i in self.rows:
+        if not self.rows:
+            return
+        rows, gradient = self.lowered.system.couplings.rows, np.zeros(12)
+        if found := open_row(rows, as_index(self.rows), self.limits, gradient, work):
+            i = self.rows[found - 1]
             opening = abs(evaluate_row(rows, i, 0.0, 0.0, work, gradient))
-            size = self.lowered.system.bodies.size if lengths[i] else 1.0
-            if opening > MAX_REMOVED_OPENING * size:
-                unit = "m" if lengths[i] else "rad"
-                with about(self.lowered.model.path):
-                    raise ModelError(
-                        f"joints: {describe_rows(self.lowered, [i])} was left out as redundant, "
-                        f"but is open by {opening:.6g} {unit} at t = {time:.9g} s: it is needed "
-                        "there; free a joint instead of redundant = 'remove'"
-                    )
+            unit = "m" if self.lowered.measures_lengths[i] else "rad"
+            with about(self.lowered.model.path):
+                raise ModelError(
+                    f"joints: {describe_rows(self.lowered, [i])} was left out as redundant, but is "
+                    f"open by {opening:.6g} {unit} at t = {time:.9g} s: it is needed there; free a "
+                    "joint instead of redundant = 'remove'"
+                )

@@ -133,12 +133,13 @@ FUNCTIONS = (
 def machine_code():
     """The entries of this file, by name."""
     from duhamel.solver.compiler.build import build
+    from duhamel.solver.compiler.targets import CodeTarget
 
     compiled, entries = dict(marks.COMPILED_FUNCTIONS), dict(marks.COMPILED_ENTRIES)
     marks.COMPILED_ENTRIES.clear()
     try:
         made = {function.__name__: marks.entry(function) for function in FUNCTIONS}
-        engine = object_file.engine_of(build())
+        engine = object_file.engine_of(*build([CodeTarget(is_loaded=True)]))
     finally:
         for registry, content in (
             (marks.COMPILED_FUNCTIONS, compiled),

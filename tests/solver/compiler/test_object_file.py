@@ -33,7 +33,7 @@ def cache(tmp_path, monkeypatch):
 def made(monkeypatch):
     """How often code was built: it is not, but for a count."""
     count = []
-    monkeypatch.setattr(object_file, "_built_code", lambda: count.append(1) or CODE)
+    monkeypatch.setattr(object_file, "_built_codes", lambda _: count.append(1) or [CODE])
     return count
 
 
@@ -213,14 +213,14 @@ def test_a_full_disk_leaves_no_half_file(cache, made, capsys):
 
 def test_the_newest_files_stay(cache, made):
     cache.mkdir(mode=0o700)
-    for k in range(12):
+    for k in range(20):
         path = cache / f"step-{k:016}.o"
         path.touch()
         os.utime(path, (k, k))
     object_file._new_code()
     left = sorted(path.name for path in cache.glob("step-*"))
-    oldest = 12 + 1 - object_file.MAX_OBJECT_FILES
-    numbers = [f"step-{k:016}.o" for k in range(oldest, 12)]
+    oldest = 20 + 1 - object_file.MAX_OBJECT_FILES
+    numbers = [f"step-{k:016}.o" for k in range(oldest, 20)]
     assert left == sorted([*numbers, kept_file().name])
 
 
@@ -244,13 +244,13 @@ def test_of_two_processes_that_start_at_once_one_builds(cache, tmp_path):
 import time
 from duhamel.solver.compiler import object_file
 
-def built():
+def built(targets):
     with open({str(tmp_path / "log")!r}, "a") as log:
         log.write("built\\n")
     time.sleep(2)
-    return b"code"
+    return [b"code"]
 
-object_file._built_code = built
+object_file._built_codes = built
 assert object_file._new_code() == b"code"
 """
     both = [subprocess.Popen([sys.executable, "-c", program]) for _ in range(2)]
@@ -268,7 +268,7 @@ def test_the_process_that_builds_imports_nothing_from_the_folder_of_the_user(tmp
     monkeypatch.setattr(object_file, "__package__", "planted")
     monkeypatch.syspath_prepend(tmp_path / "package")
     monkeypatch.chdir(tmp_path / "user")
-    assert object_file._built_code() == CODE
+    assert object_file._built_codes(["host"]) == [CODE]
 
 
 @pytest.mark.parametrize("python", ["none", "frozen", "lost"])
@@ -277,8 +277,24 @@ def test_without_a_python_to_start_code_is_built_in_the_process(monkeypatch, pyt
         monkeypatch.setattr(sys, "frozen", True, raising=False)
     else:
         monkeypatch.setattr(sys, "executable", "" if python == "none" else "/nowhere/python")
-    monkeypatch.setattr(object_file, "_built_here", lambda: CODE)
-    assert object_file._built_code() == CODE
+    monkeypatch.setattr(object_file, "_built_here", lambda _: [CODE])
+    assert object_file._built_codes(["host"]) == [CODE]
+
+
+def test_targets_that_are_missing_are_made_together(cache, monkeypatch):
+    asked = []
+
+    def built(targets):
+        asked.append(targets)
+        return [target.encode() for target in targets]
+
+    monkeypatch.setattr(object_file, "_built_codes", built)
+    first, second = ["x86_64-linux"], ["aarch64-linux", "x86_64-linux", "x86_64-windows"]
+    assert object_file.object_files(first) == {"x86_64-linux": b"x86_64-linux"}
+    assert object_file.object_files(second) == {target: target.encode() for target in second}
+    assert object_file.object_files(second)["aarch64-linux"] == b"aarch64-linux"
+    assert asked == [first, ["aarch64-linux", "x86_64-windows"]]
+    assert len({object_file.key(target) for target in [*second, "host"]}) == 4
 
 
 def test_the_key_is_of_the_layout_of_records_and_of_constants(monkeypatch):

@@ -1,0 +1,30 @@
+"""Processors and systems that the time step is compiled for."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class CodeTarget:
+    """A system by its LLVM triple and a processor by its LLVM name; "": that of this machine.
+
+    is_loaded: without a linker, into this process; all other code is position-independent.
+    """
+
+    triple: str = ""
+    cpu: str = ""
+    is_loaded: bool = False
+
+
+LINUX_TRIPLE, WINDOWS_TRIPLE = "x86_64-unknown-linux-gnu", "x86_64-w64-windows-gnu"
+HOST_TARGET = "host"
+COMPILED_TARGETS = {
+    HOST_TARGET: CodeTarget(is_loaded=True),
+    "native": CodeTarget(),
+    "x86_64-linux": CodeTarget(LINUX_TRIPLE, "x86-64-v3"),
+    "x86_64-linux-v2": CodeTarget(LINUX_TRIPLE, "x86-64-v2"),
+    "aarch64-linux": CodeTarget("aarch64-unknown-linux-gnu", "cortex-a72"),
+    "x86_64-windows": CodeTarget(WINDOWS_TRIPLE, "x86-64-v3"),
+    "x86_64-windows-v2": CodeTarget(WINDOWS_TRIPLE, "x86-64-v2"),
+    "aarch64-darwin": CodeTarget("arm64-apple-macosx11.0.0", "apple-m1"),
+}
+"""by their platforms in FMI 3.0; v2: for x86-64 processors without AVX2 and FMA"""
