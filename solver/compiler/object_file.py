@@ -106,7 +106,7 @@ def key(target: str = HOST_TARGET) -> str:
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
     layouts = sorted(record.description() for record in marks.records())
-    digest.update(repr(list(_constants())).encode())
+    digest.update(repr(sorted(map(repr, _constants()))).encode())
     versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
     digest.update(repr((layouts, versions, *_machine(target))).encode())
     return digest.hexdigest()[:16]
