@@ -15,7 +15,7 @@ from typing import Any
 HELP_ORDER = (
     *("preprocess", "run", "sweep", "peaks", "explain", "info", "check"),
     *("plot", "report", "animate", "export", "modes", "frf", "campbell", "fmu", "init", "import"),
-    "schema",
+    *("demo", "schema"),
 )
 
 
