@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
 BIN := $(VENV)/bin
 CI := build/ci
-PACKAGES := files inputs superelement results preprocess solver view study fmu cli
+PACKAGES := files inputs superelement results preprocess solver view study robots fmu cli
 DATA := $(wildcard cli/starters/*/* fmu/c/* fmu/c/fmi/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
@@ -28,7 +28,7 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test slow-test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
-.PHONY: wheel-test plain-test coverage python-test lowest-test audit
+.PHONY: wheel wheel-test plain-test coverage python-test lowest-test audit
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -59,6 +59,8 @@ validation: $(VENV)/.validation ## published problems and peer codes; takes minu
 
 large-validation: $(VENV)/.validation ## exact problems with a million unknowns; takes half an hour and 9 GB
 	$(BIN)/python -m pytest -m large --complete tests/validation
+
+wheel: build/wheel/.built ## the wheel, with the compiled time step for Linux, Windows and macOS, in build/wheel
 
 wheel-test: $(CI)/3.11/.wheel ## all tests, of the wheel, with every extra: none may be skipped
 	$(CI)/3.11/bin/python .ci/check_wheel.py build/wheel/*.whl
@@ -136,8 +138,10 @@ $(VENV)/.notebooks: $(VENV)/.installed
 	.ci/install $(PYTHON) $(VENV) constraints.txt test notebooks
 	@touch $@
 
-build/wheel/.built: $(CI)/3.11/.installed $(SOURCES)
+# A first run from the wheel compiles nothing: it has the time step for common machines.
+build/wheel/.built: $(CI)/3.11/.installed $(SOURCES) build/types/.linked
 	rm -rf build/wheel build/lib
+	PYTHONPATH=build/types $(CI)/3.11/bin/python tools/make_shipped_steps.py
 	$(CI)/3.11/bin/python -m pip -qq wheel --no-deps --no-build-isolation -w build/wheel .
 	@touch $@
 

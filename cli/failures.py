@@ -130,5 +130,11 @@ def _printable(character: str) -> str:
 
 def _exported_exceptions(*packages: ModuleType) -> tuple[type[Exception], ...]:
     """The exception types, warnings among them, among the public names of packages."""
-    names = (getattr(package, name) for package in packages for name in package.__all__)
-    return tuple(item for item in names if isinstance(item, type) and issubclass(item, Exception))
+    # By their names, for to look at all that a package exports would load all of it.
+    named = (
+        getattr(package, name)
+        for package in packages
+        for name in package.__all__
+        if name.endswith(("Error", "Warning"))
+    )
+    return tuple(item for item in named if isinstance(item, type) and issubclass(item, Exception))

@@ -65,6 +65,8 @@ class Table(_Model):
         allow_inf_nan=False,
         strict=True,
         str_max_length=MAX_TEXT_LENGTH,
+        # A table within another is read by the validator of the whole: none of its own is made.
+        defer_build=True,
     )
 
     documented: ClassVar[tuple[type[Any], ...]] = ()
@@ -114,15 +116,19 @@ def rule(method: Callable[[AnyTable], None]) -> Any:
 
 
 def read_table(
-    path: str | os.PathLike[str], kind: type[AnyTable], failure: type[Exception]
+    path: str | os.PathLike[str],
+    kind: type[AnyTable] | Callable[[Mapping[str, Any]], type[AnyTable]],
+    failure: type[Exception],
 ) -> tuple[AnyTable, str]:
     """The table in a TOML file, and its text.
 
-    A `failure` names the file, the key, and the values found and expected.
+    kind: the class of the table, or what makes it from the content. A `failure` names the file,
+    the key, and the values found and expected.
     """
     text = read_text(path, failure)
     try:
-        return read_part(parse_toml(text), kind), text
+        content = parse_toml(text)
+        return read_part(content, kind if isinstance(kind, type) else kind(content)), text
     except InputError as error:
         raise failure(f"{path}: {error}") from error
 

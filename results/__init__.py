@@ -5,19 +5,24 @@
 for other programs.
 """
 
-from . import series
-from .errors import (
-    ExportError,
-    QuantityError,
-    RecoveryError,
-    ResultsError,
-    SeriesError,
-    SeriesWarning,
-)
-from .exports import load_set, write_csv, write_loads, write_mat, write_vtk
-from .peaks import Peak, peaks
-from .results import Results
-from .space import Connection
+from typing import TYPE_CHECKING
+
+from ..files.lazy import lazily_loaded
+
+if TYPE_CHECKING:
+    from . import series
+    from .errors import (
+        ExportError,
+        QuantityError,
+        RecoveryError,
+        ResultsError,
+        SeriesError,
+        SeriesWarning,
+    )
+    from .exports import load_set, write_csv, write_loads, write_mat, write_vtk
+    from .peaks import Peak, peaks
+    from .results import Results
+    from .space import Connection
 
 __all__ = [
     "Connection",
@@ -37,3 +42,18 @@ __all__ = [
     "write_mat",
     "write_vtk",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily_loaded(
+        __name__,
+        {
+            ".errors": (
+                "ExportError QuantityError RecoveryError ResultsError SeriesError SeriesWarning"
+            ),
+            ".exports": "load_set write_csv write_loads write_mat write_vtk",
+            ".peaks": "Peak peaks",
+            ".results": "Results",
+            ".series": "series",
+            ".space": "Connection",
+        },
+    )

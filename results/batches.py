@@ -40,7 +40,8 @@ class EventRows(NamedTuple):
 class Batch(NamedTuple):
     """Steps (n,) that the time loop recorded in the first rows of its output.
 
-    With the step size h [s], the energies of t = 0, and the contacts that ended meanwhile.
+    With the step size h [s], the energies of t = 0, and the contacts that ended meanwhile. is_last:
+    the loop does not write to this output again.
     """
 
     steps: Any
@@ -48,6 +49,7 @@ class Batch(NamedTuple):
     output: Any
     start: Energies
     events: EventRows = EventRows.none()
+    is_last: bool = False
 
 
 STORED_ENERGIES = ("spring_energy", "kinetic_energy", "elastic_energy", "potential_energy")

@@ -90,12 +90,13 @@ class Memory:
 
     def append(self, batch: Batch) -> None:
         axes = self._contents.axes
-        self._batches.append(
-            {
-                quantity.name: np.array(quantity.take(batch, axes))
-                for quantity in self._contents.quantities
-            }
-        )
+        taken = {
+            quantity.name: quantity.take(batch, axes) for quantity in self._contents.quantities
+        }
+        # To copy the rows of a short run takes as long as a tenth of its steps.
+        if not batch.is_last:
+            taken = {name: np.array(values) for name, values in taken.items()}
+        self._batches.append(taken)
         self._events.append(batch.events)
 
     def events(self) -> EventRows:

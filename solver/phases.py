@@ -8,12 +8,13 @@ docs/theory.md, Two step sizes.
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from .arrays import Array
-from .checkpoint.carried import Snapshot, carried
+from .checkpoint.carried import Arrays, Snapshot, carried
 from .lower.lower import LoweredModel
 from .signals.signal import Signal, corners_of, jumps_of
 from .start.initial import modes_of
@@ -35,7 +36,6 @@ class Phases:
         self, lowered: LoweredModel, state: State, work: Workspace, output: Output
     ) -> None:
         self._lowered, self._state, self._work = lowered, state, work
-        self._live = carried(state=state, work=work)
         systems = (lowered.system, lowered.flight or lowered.system)
         self._runs = [Run(system=s, state=state, work=work, output=output) for s in systems]
         self._most = [MIN_STEPS_AT_ONCE, MIN_STEPS_AT_ONCE]
@@ -48,6 +48,11 @@ class Phases:
         self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
         """corners of loads and motors, in short steps"""
         self._pulses = _pulses(sampled, lowered)
+
+    @cached_property
+    def _live(self) -> Arrays:
+        """What is carried from step to step; a run with one size of steps never asks for it."""
+        return carried(state=self._state, work=self._work)
 
     def begin(self, n: int) -> tuple[int, int]:
         """The size of the next steps, in short ones, and how many to take before `n` have passed.

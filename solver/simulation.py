@@ -327,7 +327,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     """Take the steps of a run that are left, with the rows that it records."""
     exchange, state, work, total = prepared.exchange, prepared.state, prepared.work, prepared.total
     lowered = exchange.lowered
-    # A batch begins small, and doubles until the loop runs for BATCH_SECONDS.
+    # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
     branches = Branches(lowered)
@@ -377,8 +377,10 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
             # After all checks: a state that is taken back must not have convolved its loads.
             convolution.update(state)
             keeper.step_taken(done, recorder)
-            if time.perf_counter() - started < 0.5 * BATCH_SECONDS:
-                batch *= 2
+            # Each batch costs Python as much as some steps, so that few are to be short.
+            taken_seconds = time.perf_counter() - started
+            if taken_seconds < 0.5 * BATCH_SECONDS:
+                batch *= 16 if taken_seconds < BATCH_SECONDS / 32 else 2
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import pytest
 
 PACKAGES = (
     *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
+    "robots",
 )
 OF_MPI = "duhamel.preprocess.parallel."  # whose modules need mpi4py
 
@@ -44,7 +45,7 @@ def names_of(public: ModuleType) -> list[str]:
     "package",
     [
         *("superelement", "results.series", "results.motion", "results.quantities"),
-        *("preprocess", "solver", "view", "study"),
+        *("preprocess", "solver", "view", "study", "robots"),
     ],
 )
 def test_public_functions_and_classes_have_an_example(package):

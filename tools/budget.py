@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 LIMITS = ROOT / "tools" / "budget.toml"
 PACKAGES = (
     *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
-    *("fmu", "cli"),
+    *("robots", "fmu", "cli"),
     "top",
 )
 COUPLINGS = ROOT / "solver" / "couplings"

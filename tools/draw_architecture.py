@@ -22,6 +22,7 @@ Arrow = tuple[str, str]
 ABOUT = {
     "cli": "the command duhamel",
     "study": "many runs, from one file",
+    "robots": "robots in URDF and MJCF → models",
     "fmu": "models for other programs",
     "view": "pictures of bodies, models and results",
     "results": "the motion of a run: contract of the solver with its readers",
@@ -85,6 +86,7 @@ ABOUT = {
 TINTS = {
     "cli": ("#f1f3f5", "#868e96"),
     "study": ("#f1f3f5", "#868e96"),
+    "robots": ("#f1f3f5", "#868e96"),
     "fmu": ("#f1f3f5", "#868e96"),
     "view": ("#f1f3f5", "#868e96"),
     "files": ("#ffe3e3", "#c2255c"),
@@ -344,6 +346,8 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
     x_solver = MARGIN + widths["preprocess"] + space
     x_side = x_solver + widths["solver"] + space
     right = x_side + side
+    # Study uses both walks; robots and fmu use the solver alone, and share the place above it.
+    half = 0.5 * (widths["solver"] - space)
     y_study = MARGIN + top + space
     y_walk = y_study + top + space
     y_inputs = y_walk + walk + space
@@ -353,7 +357,8 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
     return {
         "cli": Box("cli", MARGIN, MARGIN, full, top),
         "study": Box("study", MARGIN, y_study, widths["preprocess"], top),
-        "fmu": Box("fmu", x_solver, y_study, widths["solver"], top),
+        "robots": Box("robots", x_solver, y_study, half, top),
+        "fmu": Box("fmu", x_solver + half + space, y_study, half, top),
         "preprocess": Box("preprocess", MARGIN, y_walk, widths["preprocess"], walk),
         "solver": Box("solver", x_solver, y_walk, widths["solver"], walk),
         "view": Box("view", x_side, y_walk, side, 96.0),

@@ -20,10 +20,11 @@ PACKAGES: dict[str, set[str]] = {
     "solver": {"files", "inputs", "superelement", "results"},
     "view": {"files", "superelement", "results"},
     "study": {"files", "inputs", "superelement", "results", "preprocess", "solver"},
+    "robots": {"files", "inputs", "superelement", "solver"},
     "fmu": {"files", "inputs", "results", "solver"},
     "cli": {
         *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
-        "fmu",
+        *("robots", "fmu"),
     },
 }
 """All packages, and the others that each of them may import, which stand before it."""

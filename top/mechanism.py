@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar, overload
 
 import numpy as np
 from duhamel import solver, superelement, view
@@ -29,7 +29,7 @@ MODEL_GROUPS = (
     "fmus",
 )
 """the arrays of a model, one for each kind of what is between bodies"""
-AnyRigidBody = solver.RigidBody | solver.RigidSuperelement
+AnyRigidBody: TypeAlias = solver.RigidBody | solver.RigidSuperelement
 AnyPart = TypeVar(
     "AnyPart",
     bound=(

@@ -100,7 +100,8 @@ def _part_of(
         )
     points = {f"sensor {label}": X for label, X in channels.sensors.items()}
     points |= {f"hit {label}": X for label, X in zip(hits.labels, hits.points, strict=True)}
-    return struck_part(body, points, highest, stages)
+    pushes = {f"hit {label}": d for label, d in zip(hits.labels, hits.directions, strict=True)}
+    return struck_part(body, points, pushes, highest, stages)
 
 
 def planned_bench(

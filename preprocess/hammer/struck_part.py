@@ -52,9 +52,16 @@ def solids_of(body: Body) -> SolidSource:
     raise BodyError(f"expected a mesh of solids, whose surface a hammer hits, found {found}")
 
 
-def struck_part(body: Body, points: dict[str, Array], highest: float, stages: Stages) -> StruckPart:
+def struck_part(
+    body: Body,
+    points: dict[str, Array],
+    pushes: dict[str, Array],
+    highest: float,
+    stages: Stages,
+) -> StruckPart:
     """The part of a body file at points (3,) [m] in its axes, right up to a frequency [Hz].
 
+    pushes (3,): the direction in which a point is hit, of those that are loaded in no other one.
     `MeasurementError` names a point that is not on the mesh.
     """
     with stages.stage("mesh"):
@@ -72,11 +79,16 @@ def struck_part(body: Body, points: dict[str, Array], highest: float, stages: St
         structure = assemble_on(body.model_copy(update={"loads": {}, "sensors": {}}), source)
         rows = [displacement_rows(source.mesh, place) @ structure.T for place in places.values()]
         slopes = [gradient_rows(source.mesh, place) @ structure.T for place in places.values()]
-    # Loads are at the points too, whose static responses modes of the interfaces would not have.
+    # Loads are at the points too, whose static responses modes of the interfaces would not have. A
+    # hit along one direction is one load, not three: fewer loads make far fewer modes.
+    loads = [
+        pushes[name][None] @ row if name in pushes else row
+        for name, row in zip(places, rows, strict=True)
+    ]
     impulse = Impulse(
         step=0.25 / (BAND_OF_MODES * highest), steps=1, tolerance=body.impulse.tolerance
     )
-    everywhere = sp.vstack([structure.P_C, *rows], format="csr")
+    everywhere = sp.vstack([structure.P_C, *(sp.csr_matrix(load) for load in loads)], format="csr")
     with stages.stage("modes"), blas_threads(structure.n_u):
         found = impulse_responses(
             replace(structure, P_C=everywhere, surfaces=None),
@@ -94,6 +106,6 @@ def struck_part(body: Body, points: dict[str, Array], highest: float, stages: St
         structure.interfaces,
         replace(found.modes, phi=found.modes.phi[: structure.n_c]),
         np.array(list(points.values())).reshape(-1, 3) - rigid.center,
-        found.modes.phi[structure.n_c :].reshape(n, 3, m),
+        found.shapes(sp.vstack(rows, format="csr")).reshape(n, 3, m),
         found.shapes(sp.vstack(slopes, format="csr")).reshape(n, 3, 3, m),
     )

@@ -14,12 +14,18 @@ import numpy as np
 from ...files.arrays import Array
 from .responses import REST_DAMPING, Measurement, ModalFit, resonances
 
+LARGEST_COLLINEARITY = 30.0
+"""variance of B over that of a mode alone: above it modes overlap so much that errors of places
+look like shapes out of phase"""
 ABOVE_NOISE = 2.0
 """|B|^2 over what noise alone makes of it, below which it counts as none"""
 
 
 class OutOfPhase(NamedTuple):
-    """Of each mode: |B| / |A|, without what noise makes of it, and that."""
+    """Of each mode: |B| / |A|, without what noise makes of it, and that.
+
+    0 of modes that overlap too much to tell.
+    """
 
     shares: Array
     noise: Array
@@ -38,8 +44,12 @@ def out_of_phase(measured: Measurement, fit: ModalFit) -> OutOfPhase:
     found = np.linalg.lstsq(A, b, rcond=None)[0]
     # Of all responses together, by the error of each that is left.
     left = ((b - A @ found) ** 2).mean(axis=0).sum()
-    variance = left * np.diag(np.linalg.pinv(A.T @ A))[m : 2 * m]
+    gram = A.T @ A
+    inverse = np.diag(np.linalg.pinv(gram))[m : 2 * m]
+    variance = left * inverse
+    told = inverse * np.diag(gram)[m : 2 * m] < LARGEST_COLLINEARITY
     squares = (found**2).sum(axis=1)
     real = np.maximum(squares[:m], 1e-300)
-    own = np.where(squares[m : 2 * m] > ABOVE_NOISE * variance, squares[m : 2 * m] - variance, 0.0)
+    above = told & (squares[m : 2 * m] > ABOVE_NOISE * variance)
+    own = np.where(above, squares[m : 2 * m] - variance, 0.0)
     return OutOfPhase(np.sqrt(own / real), np.sqrt(variance / real))

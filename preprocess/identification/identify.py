@@ -18,13 +18,15 @@ REST_SCALES = 1.0, 0.3, 0.1, 0.03
 LARGEST_DEFECT, LEAST_SIGN = 0.6, 0.5
 """of a residue that is a mode: those of true ones are within 0.05 and above 0.99, spurious poles
 have defects from 0.6 on, or the wrong sign"""
-FURTHER_MODES, LEAST_GAIN = 5, 0.03
+FURTHER_MODES, LEAST_GAIN = 12, 0.03
 """how many modes are added where the misfit is largest, and what each of them must take off it"""
 NOTHING_MISSING = 1e-3
 """misfit below which nothing is missing: no test is as exact"""
 SMOOTHED_LINES = 5
 """lines over which the misfit is averaged to see where it is largest"""
 DAMPING_OF_NEW = 0.008
+HEAVY_DAMPING = 0.03
+"""median of the modes, from which on residues of further ones are sought in what the fit leaves"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,17 +53,68 @@ def identify(measured: Measurement, poles: Array | None = None) -> Identificatio
     """
     found = _with_poles(measured, stable_poles(measured) if poles is None else poles)
     added: list[float] = []
+    by_poles = True
     while len(added) < FURTHER_MODES and found.fit.misfit > NOTHING_MISSING:
         squares = (found.fit.misfits(measured) ** 2).mean(axis=(1, 2))
         smooth = np.convolve(squares, np.full(SMOOTHED_LINES, 1.0 / SMOOTHED_LINES), "same")
         omega = float(measured.s.imag[smooth.argmax()])
-        own = np.column_stack([found.fit.omega, found.fit.zeta])
-        trial = _with_poles(measured, np.vstack([own, [omega, DAMPING_OF_NEW]]))
-        if trial.fit.misfit > (1.0 - LEAST_GAIN) * found.fit.misfit:
+        enough = (1.0 - LEAST_GAIN) * found.fit.misfit
+        trial = found
+        if by_poles:
+            own = np.column_stack([found.fit.omega, found.fit.zeta])
+            trial = _with_poles(measured, np.vstack([own, [omega, DAMPING_OF_NEW]]))
+            by_poles = trial.fit.misfit <= enough
+            if by_poles:
+                trial = replace(trial, dropped=np.vstack([found.dropped, trial.dropped]))
+        heavy = len(found.fit.zeta) and float(np.median(found.fit.zeta)) > HEAVY_DAMPING
+        if not by_poles and heavy:
+            trial = _with_mode(measured, found, omega)
+        if trial.fit.misfit > enough:
             break
-        found = replace(trial, dropped=np.vstack([found.dropped, trial.dropped]))
+        found = trial
         added.append(omega / (2.0 * np.pi))
     return replace(found, added=np.array(added))
+
+
+def _with_mode(measured: Measurement, found: Identification, omega: float) -> Identification:
+    """A fit with one mode more, whose shape is that of what the fit leaves.
+
+    Residues of heavily damped poles that are free in each response are mostly noise; those of one
+    more function are not.
+    """
+    fit = found.fit
+    zeta = float(np.median(fit.zeta))
+    h = resonances(measured.s, np.array([omega]), zeta)[:, 0] * measured.weights
+    left = (measured.elastic - fit.responses(measured)) * measured.weights[:, None, None]
+    R = np.einsum("k,kab->ab", h.conj(), left).real / float((np.abs(h) ** 2).sum())
+    shape = shape_of(R, measured)
+    if not shape.sign > LEAST_SIGN:
+        return found
+    more = replace(
+        fit,
+        omega=np.append(fit.omega, omega),
+        zeta=np.append(fit.zeta, zeta),
+        shapes=np.column_stack([fit.shapes, shape.psi]),
+    )
+    return _in_order(
+        replace(
+            found,
+            fit=refined_fit(more, measured),
+            defects=np.append(found.defects, shape.defect),
+            signs=np.append(found.signs, shape.sign),
+        )
+    )
+
+
+def _in_order(found: Identification) -> Identification:
+    """With modes by their frequencies."""
+    fit, order = found.fit, np.argsort(found.fit.omega)
+    return replace(
+        found,
+        fit=replace(fit, omega=fit.omega[order], zeta=fit.zeta[order], shapes=fit.shapes[:, order]),
+        defects=found.defects[order],
+        signs=found.signs[order],
+    )
 
 
 def _with_poles(measured: Measurement, poles: Array) -> Identification:
@@ -88,15 +141,15 @@ def _with_poles(measured: Measurement, poles: Array) -> Identification:
     )
     best = min(starts, key=lambda start: relative_size(start.misfits(measured), measured))
     fit = refined_fit(best, measured)
-    order = np.argsort(fit.omega)
-    fit = replace(fit, omega=fit.omega[order], zeta=fit.zeta[order], shapes=fit.shapes[:, order])
-    return Identification(
-        fit,
-        dropped=np.array(dropped).reshape(-1, 2),
-        added=np.empty(0),
-        defects=np.array([shape.defect for shape in shapes])[order],
-        signs=np.array([shape.sign for shape in shapes])[order],
-        negative=np.array(negative),
+    return _in_order(
+        Identification(
+            fit,
+            dropped=np.array(dropped).reshape(-1, 2),
+            added=np.empty(0),
+            defects=np.array([shape.defect for shape in shapes]),
+            signs=np.array([shape.sign for shape in shapes]),
+            negative=np.array(negative),
+        )
     )
 
 

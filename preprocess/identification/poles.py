@@ -26,7 +26,10 @@ SAME_FREQUENCY, SAME_DAMPING = 0.01, 0.5
 """relative differences within which poles of two orders are one"""
 FOUND_BY = 0.6
 """of the orders"""
-DAMPING_RANGE = 1e-5, 0.1
+DAMPING_RANGE = 1e-5, 0.6
+LARGEST_DAMPING, OVER_MEDIAN = 0.1, 3.0
+"""of poles of lightly damped parts, and over the median of all poles: a heavily damped one among
+light ones stands for something else"""
 DAMPING_AT_START = 0.01
 RIDGE_OF_POLES = 1e-12
 """of the diagonal of normal equations, for poles that coincide"""
@@ -65,7 +68,11 @@ def stable_poles(measured: Measurement) -> Array:
             continue
         if low < omega < BEYOND_BAND * high and DAMPING_RANGE[0] < zeta < DAMPING_RANGE[1]:
             kept.append((omega, zeta))
-    return np.array(sorted(kept)).reshape(-1, 2)
+    poles_of_part = np.array(sorted(kept)).reshape(-1, 2)
+    if not len(poles_of_part):
+        return poles_of_part
+    largest = max(LARGEST_DAMPING, OVER_MEDIAN * float(np.median(poles_of_part[:, 1])))
+    return np.asarray(poles_of_part[poles_of_part[:, 1] < largest])
 
 
 def _strongest(measured: Measurement) -> Complex:

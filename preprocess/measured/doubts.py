@@ -93,8 +93,9 @@ def doubts_of_fit(
                 yield f"measured.poles: the mode at {frequency:.5g} Hz has none, and is added"
     if said := too_complex(measurement, found, phases, DOUBTED_SHARE):
         yield said
-    # A mode that is hidden in noise has any shape.
-    for frequency in fit.frequencies[(found.signs < DOUBTED_SIGN) & (phases.noise < SEEN_MODE)]:
+    # A mode that is hidden in noise has any shape, and so has one whose flank alone is in the band.
+    seen = (phases.noise < SEEN_MODE) & (fit.omega < measurement.highest)
+    for frequency in fit.frequencies[seen & (found.signs < DOUBTED_SIGN)]:
         yield (
             f"the mode at {frequency:.5g} Hz has another shape by hits than by sensors: are all of "
             "them where the tables say?"

@@ -12,15 +12,13 @@ from ...files.hdf5 import opened, whole
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
 from .hits import HitTable
+from .impulse_data import transformed
 from .uff import read_uff
 
 OVER_TIME = "impulse"
 POWERS_OF_S = {"accelerance": 0, "mobility": 1, "receptance": 2, OVER_TIME: 0}
 """of s that make each of them an accelerance"""
 LEAST_LINES = 20
-END_OF_RESPONSE, LARGEST_END = (0.8, 0.9), 1e-2
-"""part of an impulse response, and what it may have of a line: a mode then has 1 % of its vibration
-left at the end, which leaks into other lines; the last tenth may be times before the hit"""
 MOST_COHERENCE = 1.0 + 1e-6
 """with the rounding of files in single precision"""
 DAMAGE_OF_RESPONSES = (
@@ -67,7 +65,7 @@ def read_responses(
     """
     suffix = path.suffix.lower()
     if suffix in (".uff", ".unv"):
-        sets = read_uff(path, channels, hits)
+        sets = read_uff(path, channels, hits, over_time=quantity == OVER_TIME)
         f, H, found, coherence = sets.f, sets.H, sets.quantity, sets.coherence
     elif suffix in ARRAY_READERS:
         f, H, found, coherence = _of_arrays(path, channels, hits)
@@ -94,11 +92,23 @@ def read_responses(
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
-    if coherence is not None and not ((coherence >= 0.0) & (coherence <= MOST_COHERENCE)).all():
-        raise MeasurementError(f"{path}: coherence: expected numbers from 0 to 1, found others")
+    if coherence is not None:
+        _require_coherences(path, f, coherence)
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
     return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
+
+
+def _require_coherences(path: Path, f: Array, coherence: Array) -> None:
+    """`MeasurementError` names the first number that no coherence has, and its line."""
+    # Written so that NaN is none either.
+    wrong = np.argwhere(~((coherence >= 0.0) & (coherence <= MOST_COHERENCE)))
+    if len(wrong):
+        place = tuple(wrong[0])
+        raise MeasurementError(
+            f"{path}: coherence: expected numbers from 0 to 1, found {coherence[place]:.3g} at "
+            f"{f[place[0]]:g} Hz"
+        )
 
 
 def _of_arrays(
@@ -133,43 +143,16 @@ def _of_arrays(
 
 
 def _transformed(path: Path, arrays: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays of impulse responses (n, n_o, n_i) [1/(kg s)] as those of frequency responses.
-
-    H = step sum_n response_n exp(-i omega n step), at the frequencies of the FFT.
-    """
+    """Arrays of impulse responses (n, n_o, n_i) [1/(kg s)] as those of frequency responses."""
     said = "".join(str(part) for part in np.ravel(arrays.get("quantity", OVER_TIME)))
     if said != OVER_TIME:
         raise MeasurementError(f"{path}: response: expected the quantity impulse, found {said!r}")
     step = np.ravel(arrays.get("step", ()))
     if len(step) != 1 or not float(step[0]) > 0.0:
         raise MeasurementError(f"{path}: expected step, the time between responses [s], found none")
-    response = np.asarray(arrays["response"], dtype=float)
-    if response.ndim != 3 or len(response) < 2 * LEAST_LINES:
-        raise MeasurementError(
-            f"{path}: response: expected {2 * LEAST_LINES} times or more, by channels and hits, "
-            f"found {response.shape}"
-        )
-    _require_decay(path, response)
-    f = np.fft.rfftfreq(len(response), float(step[0]))
-    H = float(step[0]) * np.fft.rfft(response, axis=0)
+    f, H = transformed(path, np.asarray(arrays["response"], dtype=float), float(step[0]))
     kept = {key: value for key, value in arrays.items() if key in ("outputs", "inputs")}
     return {**kept, "f": f, "H": H, "quantity": OVER_TIME}
-
-
-def _require_decay(path: Path, response: Array) -> None:
-    """`MeasurementError` where impulse responses go on at their end."""
-    first, last = (round(part * len(response)) for part in END_OF_RESPONSE)
-    whole, end = (
-        np.sqrt(np.mean(np.abs(np.fft.rfft(part, len(response), axis=0)) ** 2, axis=(1, 2)))
-        for part in (response, response[first:last])
-    )
-    # Over time slow modes are hidden by fast ones: by lines they are not.
-    if (largest := float((end / np.maximum(whole, 1e-300)).max())) > LARGEST_END:
-        raise MeasurementError(
-            f"{path}: response: its ninth tenth has {largest:.1%} of some line, "
-            f"expected at most {LARGEST_END:.0%}: it has not come to rest; measure longer, or with "
-            "an exponential window (measured.window)"
-        )
 
 
 def _places(path: Path, key: str, given: list[str], names: tuple[str, ...]) -> list[int]:

@@ -5,6 +5,8 @@ known from its mass, so that each sensor and each hit can be compared with all o
 
     A = R_o U M^-1 U^T R_i^T,      Re H(f) = A + B f^2 / (f_1^2 - f^2)  below 0.75 f_1
 
+with the real part of the first mode, if that is heavily damped, in place of the fraction.
+
 Fits are robust, lest one wrong sensor makes all hits wrong. Source: docs/theory.md, Frequency
 response tests.
 """
@@ -14,19 +16,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from ...files.arrays import Array, Complex
 from ..identification.responses import Measurement
 from .channels import ChannelTable
 from .coordinates import rigid_rows, space_rows
+from .first_resonance import first_resonance
 from .hits import HitTable
 
-PART_OF_RESONANCE = 0.75
-FIRST_PEAK = 4.0
-"""root mean square of the responses over the least of lower lines, from which on there is a peak"""
-FIRST_LINES, LEAST_OF_LINE = 5, 8
-"""lines of which the level is the median, and how many the mass line must have"""
+LEAST_OF_LINE = 8
+"""how many lines the mass line must have"""
 LARGEST_GAIN_ERROR, LARGEST_ANGLE = 0.1, 10.0
 """relative, and in degrees; honest tests are within 0.06 and 5"""
 LARGEST_OFFSET = 0.03
@@ -44,19 +43,20 @@ SAME_GAIN = 0.05
 class MassLine:
     """The lines below the first resonance.
 
-    f (k,) [Hz]; x (k,): their squares over that of the resonance; H (k, n_o, n_i): real parts.
+    f (k,) [Hz]; by_mode (k,): what the first mode adds, but for its size; H (k, n_o, n_i): real
+    parts.
     """
 
     f: Array
-    x: Array
+    by_mode: Array
     H: Array
 
     @cached_property
     def rigid(self) -> Array:
         """A (n_o, n_i): what the rigid motion is of the responses."""
         # Polynomials in x, which have a third term, carry five times the noise to f = 0.
-        functions = np.column_stack([np.ones_like(self.x), self.x / (1.0 - self.x)])
-        values = self.H.reshape(len(self.x), -1)
+        functions = np.column_stack([np.ones_like(self.f), self.by_mode])
+        values = self.H.reshape(len(self.f), -1)
         found = np.linalg.lstsq(functions, values, rcond=None)[0]
         return np.asarray(found[0].reshape(self.H.shape[1:]))
 
@@ -65,22 +65,14 @@ def mass_line(s: Complex, H: Complex) -> MassLine | None:
     """The mass line of accelerances (k, n_o, n_i) at s (k,), None where it has too few lines."""
     if len(s) < LEAST_OF_LINE:
         return None
-    level = np.sqrt(np.mean(np.abs(H) ** 2, axis=(1, 2)))
-    # Over the least level so far: stiff cords raise the first lines, too.
-    steady = median_filter(level, FIRST_LINES, mode="nearest")
-    peaks = np.flatnonzero(level > FIRST_PEAK * np.minimum.accumulate(steady))
-    if not len(peaks):
+    f = s.imag / (2.0 * np.pi)
+    first = first_resonance(f, H)
+    if first is None:
         return None
-    # The peak itself: where the level has risen it still rises.
-    first = int(peaks[0])
-    while first + 1 < len(level) and level[first + 1] > level[first]:
-        first += 1
-    omega = s.imag
-    lines = omega < PART_OF_RESONANCE * omega[first]
+    lines = f < first.end
     if lines.sum() < LEAST_OF_LINE:
         return None
-    f = omega[lines] / (2.0 * np.pi)
-    return MassLine(f, (omega[lines] / omega[first]) ** 2, H[lines].real)
+    return MassLine(f[lines], first.real_part(f[lines]), H[lines].real)
 
 
 def doubts_of_mass_line(

@@ -20,9 +20,10 @@ def stiff_suspension(measured: Measurement) -> float:
 
     By the part alpha(f) of A in the responses, which on cords alone is f^2 / (f^2 - f_s^2):
 
-        1 / alpha = a + b x / (1 - x) + c / f^2,      f_s^2 = -c / a
+        1 / alpha = a - b Re h(f) + c / f^2,      f_s^2 = -c / a
 
-    which is smooth at the resonance of the cords too.
+    h of the first mode, which without damping is f^2 / (f^2 - f_1^2). All this is smooth at the
+    resonance of the cords too.
     """
     line = mass_line(measured.s, measured.H)
     if line is None:
@@ -34,7 +35,7 @@ def stiff_suspension(measured: Measurement) -> float:
     if above.sum() < LEAST_OF_LINE:
         return 0.0
     by_cords = (line.f[0] / line.f) ** 2
-    functions = np.column_stack([np.ones_like(line.x), line.x / (1.0 - line.x), by_cords])[above]
+    functions = np.column_stack([np.ones_like(line.f), line.by_mode, by_cords])[above]
     inverse = 1.0 / alpha[above]
     found = np.linalg.lstsq(functions, inverse, rcond=None)[0]
     # With few lines noise alone can look like cords.

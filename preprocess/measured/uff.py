@@ -14,13 +14,18 @@ from ...files.arrays import Array, Complex
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
 from .hits import HitTable
+from .impulse_data import from_the_hit, transformed
 
 QUANTITY_OF_TYPE = {12: "accelerance", 11: "mobility", 8: "receptance"}
 """of UFF's types of the numerator"""
 FORCE_TYPE, FREQUENCY_TYPE = 13, 18
 """of UFF: its denominator and its abscissa"""
+TIME_TYPE, ACCELERATION_TYPE = 17, 12
+"""of UFF: the abscissa of a record, and what an impulse response is per force"""
 RESPONSE_FUNCTION, COHERENCE_FUNCTION = 4, 6
 """of UFF: its functions"""
+TIME_FUNCTIONS = 0, 1
+"""of UFF: general ones and time responses, which impulse responses are written as"""
 NumberedSet = tuple[int, Mapping[str, Any]]
 SAME_LINES = 1e-6
 """relative difference of frequencies that are one line"""
@@ -28,7 +33,10 @@ SAME_LINES = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class UffResponses:
-    """f (k,) [Hz], H (k, n_o, n_i), what they are per force, "" if not told, and coherences."""
+    """f (k,) [Hz], H (k, n_o, n_i), what they are per force, "" if not told, and coherences.
+
+    What was written over time is transformed; its quantity is "impulse".
+    """
 
     f: Array
     H: Complex
@@ -36,8 +44,13 @@ class UffResponses:
     coherence: Array | None
 
 
-def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> UffResponses:
+def read_uff(
+    path: Path, channels: ChannelTable, hits: HitTable, over_time: bool = False
+) -> UffResponses:
     """The responses of a file, and coherences where it has some.
+
+    over_time: its time records are meant, and are impulse responses even if they do not say that
+    they are per force. Without frequency responses records are taken that do say so.
 
     `MeasurementError` names the file, the set, what was found and what was expected.
     """
@@ -51,8 +64,13 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> UffResponses
     if 0 in types:
         raise MeasurementError(f"{path}: set {types.index(0) + 1}: expected a UFF set, found none")
     responses = [(k, one) for k, one in sets if _is_response(path, k, one)]
+    records = [(k, one) for k, one in sets if _is_over_time(one)]
+    if records and (over_time or not responses):
+        return _of_records(path, records, over_time, channels, hits)
     if not responses:
-        raise MeasurementError(f"{path}: expected sets 58 of frequency responses, found none")
+        raise MeasurementError(
+            f"{path}: expected sets 58 of frequency or impulse responses, found none"
+        )
     # All of them have one axis, or could not be one matrix.
     first = np.asarray(responses[0][1]["x"], dtype=float)
     H = _matrix(path, responses, first, channels, hits)
@@ -67,6 +85,43 @@ def read_uff(path: Path, channels: ChannelTable, hits: HitTable) -> UffResponses
     return UffResponses(first, H, quantities.pop(), coherence)
 
 
+def _of_records(
+    path: Path,
+    records: list[NumberedSet],
+    over_time: bool,
+    channels: ChannelTable,
+    hits: HitTable,
+) -> UffResponses:
+    """Impulse responses; `MeasurementError` names the first set that is none."""
+    for k, one in records:
+        where = f"{path}: set {k}"
+        if (function := int(one["func_type"])) not in TIME_FUNCTIONS:
+            raise MeasurementError(
+                f"{where}: a function of type {function} over time is no impulse response: "
+                "expected a time response (1)"
+            )
+        per = int(one.get("orddenom_spec_data_type") or 0)
+        if per != FORCE_TYPE and (per or not over_time):
+            raise MeasurementError(
+                f"{where}: a time response that is not per force: expected impulse responses, with "
+                f"force ({FORCE_TYPE}) below, found the type {per}; if they are, give "
+                'measured.quantity = "impulse", else frequency responses'
+            )
+        of = int(one.get("ordinate_spec_data_type") or 0)
+        if of != ACCELERATION_TYPE and (of or not over_time):
+            raise MeasurementError(
+                f"{where}: expected an impulse response of acceleration ({ACCELERATION_TYPE}), "
+                f"found the type {of}"
+            )
+        if np.iscomplexobj(one["data"]):
+            raise MeasurementError(f"{where}: expected real numbers over time, found complex ones")
+    times = np.asarray(records[0][1]["x"], dtype=float)
+    response = _matrix(path, records, times, channels, hits).real
+    response, step = from_the_hit(str(path), times, response)
+    f, H = transformed(path, response, step)
+    return UffResponses(f, H, "impulse", None)
+
+
 def _matrix(
     path: Path, sets: list[NumberedSet], first: Array, channels: ChannelTable, hits: HitTable
 ) -> Complex:
@@ -76,9 +131,9 @@ def _matrix(
     for k, one in sets:
         where = f"{path}: set {k}"
         x, data = np.asarray(one["x"], dtype=float), np.asarray(one["data"], dtype=complex)
-        if len(x) != len(first) or not np.allclose(x, first, rtol=SAME_LINES):
+        if len(x) != len(first) or not _same_lines(x, first):
             raise MeasurementError(
-                f"{where}: expected the {len(first)} frequencies of the first set, found {len(x)}"
+                f"{where}: expected the {len(first)} lines of the first set, found {len(x)}"
             )
         o, sign = _channel(where, one, channels, outputs)
         label = str(int(one["ref_node"]))
@@ -109,6 +164,17 @@ def pyuff_module(path: Path, doing: str) -> Any:
             f"{path}: {doing} UFF takes pyuff: pip install 'duhamel[measured]'"
         ) from error
     return pyuff
+
+
+def _same_lines(x: Array, first: Array) -> bool:
+    """Whether two axes are one, also where they pass zero."""
+    apart = float(np.ptp(first)) / len(first)
+    return np.allclose(x, first, rtol=SAME_LINES, atol=SAME_LINES * apart)
+
+
+def _is_over_time(one: Mapping[str, Any]) -> bool:
+    """Whether a set is a record, whose abscissa is time."""
+    return int(one.get("abscissa_spec_data_type") or 0) == TIME_TYPE
 
 
 def _is_response(path: Path, k: int, one: Mapping[str, Any]) -> bool:

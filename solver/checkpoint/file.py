@@ -5,6 +5,7 @@ They are written whole or not at all.
 
 import hashlib
 import io
+import uuid
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
@@ -53,7 +54,9 @@ class StateFile:
         text = self.identity.to_text()
         # Made in memory: the digest is of the whole image, which then goes to the disk in one
         # piece.
-        with h5py.File("image", "w", driver="core", backing_store=False) as file:
+        # HDF5 refuses a second file of the same name, such as that of a run in another thread.
+        name = f"image-{uuid.uuid4().hex}"
+        with h5py.File(name, "w", driver="core", backing_store=False) as file:
             file.attrs.update(
                 format=STATE_FORMAT,
                 version=STATE_VERSION,

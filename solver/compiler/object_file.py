@@ -13,6 +13,7 @@ numba's public interface alone, which takes minutes, and `DUHAMEL_COMPILER=quick
 
 import hashlib
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -28,7 +29,7 @@ import numpy as np
 
 from . import marks
 from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
-from .targets import COMPILED_TARGETS, HOST_TARGET
+from .targets import COMPILED_TARGETS, HOST_TARGET, SHIPPED_TARGETS
 
 COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
 """the files of this folder that machine code depends on"""
@@ -36,6 +37,9 @@ MAX_OBJECT_FILES = 16
 """object files that stay in the cache, the newest ones"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
+SHIPPED_FOLDER = Path(__file__).with_name("shipped")
+"""object files that wheels have, of tools/make_shipped_steps.py; empty in a checkout"""
+FEATURES_OF_V3 = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 OBJECT_DIGEST_BYTES = 32
 """bytes at the end of a file: the SHA-256 of all before it"""
 
@@ -77,11 +81,13 @@ def load() -> None:
 def compiler() -> str:
     """What makes machine code of the time step: "quick" (`build`), "stock", "none" in plain Python.
 
-    Their results differ by rounding.
+    Or "shipped" where the wheel has it. Their results differ by rounding.
     """
     if _is_plain():
         return "none"
     wanted = os.environ.get("DUHAMEL_COMPILER", "")
+    if not wanted and _cached_code() is None and shipped_code() is not None:
+        return "shipped"
     if wanted != "quick" and (wanted == "stock" or (_cached_code() is None and _stock_is_kept())):
         return "stock"
     return "quick"
@@ -106,17 +112,24 @@ def key(target: str = HOST_TARGET) -> str:
     for source in sorted({*sources, *compiler}):
         digest.update(source.read_bytes())
     layouts = sorted(record.description() for record in marks.records())
-    digest.update(repr(list(_constants())).encode())
-    versions = [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
+    digest.update(repr(sorted(map(repr, _constants()))).encode())
+    # Code that is shipped was made elsewhere: it is the same whatever is installed here.
+    versions = [] if target in SHIPPED_TARGETS else _versions()
     digest.update(repr((layouts, versions, *_machine(target))).encode())
     return digest.hexdigest()[:16]
 
 
+def _versions() -> list[Any]:
+    return [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
+
+
 def _machine(target: str) -> tuple[str, str]:
     """The system and the processor of a target."""
+    chosen = COMPILED_TARGETS[target]
+    if chosen.triple and chosen.cpu:
+        return f"{chosen.triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu
     import llvmlite.binding as llvm
 
-    chosen = COMPILED_TARGETS[target]
     triple = chosen.triple or llvm.get_process_triple()
     return f"{triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu or processor()
 
@@ -169,8 +182,18 @@ def _cached_code(target: str = HOST_TARGET) -> bytes | None:
         return None
     except OSError:
         return None
+    return checked_code(content)
+
+
+def checked_code(content: bytes) -> bytes | None:
+    """The object file of a content, which its digest follows; None where they do not fit."""
     code, digest = content[:-OBJECT_DIGEST_BYTES], content[-OBJECT_DIGEST_BYTES:]
     return code if hashlib.sha256(code).digest() == digest else None
+
+
+def with_digest(code: bytes) -> bytes:
+    """An object file as it is kept."""
+    return code + hashlib.sha256(code).digest()
 
 
 def _new_code() -> bytes:
@@ -193,7 +216,7 @@ def _new_codes(targets: Sequence[str]) -> dict[str, bytes]:
             codes |= _built(target for target in targets if target not in codes)
             for target, code in codes.items():
                 if kept[target] is None:
-                    folder.write(_name(target), code + hashlib.sha256(code).digest())
+                    folder.write(_name(target), with_digest(code))
             folder.remove_oldest("step-*.o", MAX_OBJECT_FILES)
             folder.remove_oldest("step-*.part", MAX_OBJECT_FILES)
     except OSError as error:
@@ -206,6 +229,48 @@ def _built(targets: Iterable[str]) -> dict[str, bytes]:
     return dict(zip(names, _built_codes(names), strict=True)) if names else {}
 
 
+# The wheel
+
+
+def shipped_name(target: str) -> str:
+    """The file of a target in wheels."""
+    return f"step-{target.removeprefix('shipped-')}.o"
+
+
+@cache
+def shipped_code() -> bytes | None:
+    """The object file that the wheel has for this machine; None where it has none that fits.
+
+    It fits where it was made of these sources, for this system, and the processor has what it uses.
+    """
+    target = f"shipped-{_platform()}"
+    try:
+        content = SHIPPED_FOLDER.joinpath(shipped_name(target)).read_bytes()
+    except OSError:
+        return None
+    # The key of its sources stands before it: a checkout may have changed them since.
+    own, _, rest = content.partition(b"\n")
+    if target not in SHIPPED_TARGETS or own != key(target).encode() or not _has_features(target):
+        return None
+    return checked_code(rest)
+
+
+def _platform() -> str:
+    """This machine, by its name in FMI."""
+    machine = platform.machine().lower()
+    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    return f"{processor}-{platform.system().lower()}"
+
+
+def _has_features(target: str) -> bool:
+    if COMPILED_TARGETS[target].cpu != "x86-64-v3":
+        return True
+    import llvmlite.binding as llvm
+
+    has = llvm.get_host_cpu_features()
+    return all(has.get(feature, False) for feature in FEATURES_OF_V3)
+
+
 # Building
 
 
@@ -214,7 +279,7 @@ def _quick_code(required: bool) -> bytes | None:
 
     required: `BuildError` rather than None.
     """
-    code = _cached_code()
+    code = _cached_code() or (None if required else shipped_code())
     if code is not None or (_stock_is_kept() and not required):
         return code
     try:

@@ -5,13 +5,20 @@ followed by those of its dimensions that are not constant; a record within lies 
 do not change while the record lives: what moves are the elements of its arrays.
 """
 
+import math
 import operator
+import struct
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import numpy as np
 
 from ..arrays import Array, Index
+
+# A number of floating point is a word by its bits.
+_DOUBLE, _WORD = struct.Struct("=d"), struct.Struct("=q")
+WORD_BYTES, LINE_WORDS, BLOCK_WORDS = 8, 8, 1 << 13
 
 
 class ArrayField(NamedTuple):
@@ -22,30 +29,39 @@ class ArrayField(NamedTuple):
 
     @property
     def n_words(self) -> int:
-        return 1 + sum(not isinstance(dim, int) for dim in self.dims)
+        return 1 + len(_dimensions(self.dims)[1])
 
     def words(self, array: Any) -> list[int]:
         """Address and variable dimensions; `TypeError` where the array is not of this kind."""
         if not isinstance(array, np.ndarray):
             raise TypeError(f"expected an array {self}, found {type(array).__name__}")
+        constant, variable = _dimensions(self.dims)
         shape = array.shape
-        fits = len(shape) == len(self.dims) and all(
-            n == dim for n, dim in zip(shape, self.dims, strict=True) if isinstance(dim, int)
-        )
-        if array.dtype != self.dtype or not fits:
+        fits = len(shape) == len(self.dims)
+        if array.dtype != self.dtype or not (fits and all(shape[i] == n for i, n in constant)):
             raise TypeError(f"expected an array {self}, found {array.dtype} {shape}")
         if not array.flags.c_contiguous:
             raise TypeError(f"expected a contiguous array {self}, found strides {array.strides}")
         # Constant dimensions are part of the compiled code, and need no word.
-        variable = [n for n, dim in zip(shape, self.dims, strict=True) if isinstance(dim, str)]
-        return [array.__array_interface__["data"][0], *variable]
+        return [array.__array_interface__["data"][0], *[shape[i] for i in variable]]
 
-    def zeros(self, sizes: Mapping[str, int]) -> Any:
-        shape = [dim if isinstance(dim, int) else sizes[dim] for dim in self.dims]
-        return np.zeros(shape, dtype=self.dtype)
+    def shape(self, sizes: Mapping[str, int]) -> list[int]:
+        return [dim if isinstance(dim, int) else sizes[dim] for dim in self.dims]
+
+    def n_elements(self, sizes: Mapping[str, int]) -> int:
+        return math.prod(self.shape(sizes))
 
     def __str__(self) -> str:
         return f"{np.dtype(self.dtype)} ({', '.join(map(str, self.dims))})"
+
+
+@cache
+def _dimensions(
+    dims: tuple[int | str, ...],
+) -> tuple[tuple[tuple[int, int], ...], tuple[int, ...]]:
+    """The dimensions that are constant, with their lengths, and those that are not, by number."""
+    constant = tuple((i, dim) for i, dim in enumerate(dims) if isinstance(dim, int))
+    return constant, tuple(i for i, dim in enumerate(dims) if not isinstance(dim, int))
 
 
 def array(*dims: int | str) -> Any:
@@ -105,13 +121,17 @@ class Struct:
             raise TypeError(f"{type(self).__name__}: no {', '.join(sorted(missing))}")
         if unknown := values.keys() - self.layout.keys():
             raise TypeError(f"{type(self).__name__} has no {', '.join(sorted(unknown))}")
-        words = np.zeros(max(self.n_words, 1), dtype=np.int64)
-        for name, (first, kind) in self.layout.items():
+        found: list[int] = []
+        for name, (_, kind) in self.layout.items():
             try:
-                own = _words(kind, values[name])
+                found += _words(kind, values[name])
             except TypeError as error:
                 raise TypeError(f"{type(self).__name__}.{name}: {error}") from error
-            words[first : first + len(own)] = own
+        self._keep(values, found)
+
+    def _keep(self, values: Mapping[str, Any], found: list[int]) -> None:
+        # A record without fields has one word too: it has an address.
+        words = np.array(found or [0], dtype=np.int64)
         # Past __setattr__, which forbids to bind a field anew; the arrays must live as long as the
         # words.
         self.__dict__.update(values)
@@ -121,15 +141,34 @@ class Struct:
     @classmethod
     def allocate(cls, sizes: Mapping[str, int]) -> Self:
         """A record of zeros, with the sizes of all named dimensions."""
+        return cls._of_zeros(sizes, _Zeros())
+
+    @classmethod
+    def _of_zeros(cls, sizes: Mapping[str, int], zeros: "_Zeros") -> Self:
         values: dict[str, Any] = {}
+        words: list[int] = []
         for name, (_, kind) in cls.layout.items():
             if isinstance(kind, ArrayField):
-                values[name] = kind.zeros(sizes)
+                values[name], address = zeros.take(kind, shape := kind.shape(sizes))
+                words += [address, *[shape[i] for i in _dimensions(kind.dims)[1]]]
             elif isinstance(kind, type) and issubclass(kind, Struct):
-                values[name] = kind.allocate(sizes)
+                values[name] = kind._of_zeros(sizes, zeros)
+                words += _words(kind, values[name])
             else:
                 values[name] = kind(0)
-        return cls(**values)
+                words.append(0)
+        made = cls.__new__(cls)
+        made._keep(values, words)
+        return made
+
+    @classmethod
+    def n_elements(cls, sizes: Mapping[str, int]) -> int:
+        """The elements of all arrays that `allocate` makes of these sizes."""
+        return sum(
+            kind.n_elements(sizes)
+            for _, kind in cls.layout.values()
+            if kind not in (float, int, bool)
+        )
 
     @classmethod
     def description(cls) -> str:
@@ -179,16 +218,40 @@ class Struct:
         return _made, (type(self), {name: getattr(self, name) for name in self.layout})
 
 
+class _Zeros:
+    """Memory of zeros from which small arrays are cut: to ask for each takes longer than a step."""
+
+    def __init__(self) -> None:
+        self._block, self._address, self._used = np.empty(0, dtype=np.int64), 0, 0
+
+    def take(self, kind: ArrayField, shape: list[int]) -> tuple[Any, int]:
+        """An array of zeros and its address."""
+        n = math.prod(shape)
+        if n > BLOCK_WORDS // 8:
+            array = np.zeros(shape, dtype=kind.dtype)
+            return array, array.__array_interface__["data"][0]
+        if self._used + n > len(self._block):
+            self._block = np.zeros(BLOCK_WORDS, dtype=np.int64)
+            self._address, self._used = self._block.__array_interface__["data"][0], 0
+        first = self._used
+        # Each begins a line of the cache.
+        self._used += -(-n // LINE_WORDS) * LINE_WORDS
+        part = self._block[first : first + n]
+        if kind.dtype is not np.int64:
+            part = part.view(kind.dtype)
+        return part.reshape(shape), self._address + WORD_BYTES * first
+
+
 def _made(cls: type[Struct], values: dict[str, Any]) -> Struct:
     return cls(**values)
 
 
-def _words(kind: Any, value: Any) -> Any:
+def _words(kind: Any, value: Any) -> list[int]:
     """What a field of this kind is in memory; `TypeError` where the value is of another."""
     if isinstance(kind, ArrayField):
         return kind.words(value)
     if kind is float:
-        return np.array([value], dtype=np.float64).view(np.int64)
+        return [_WORD.unpack(_DOUBLE.pack(value))[0]]
     if kind is int:
         return [operator.index(value)]
     if kind is bool:
@@ -196,4 +259,4 @@ def _words(kind: Any, value: Any) -> Any:
     if type(value) is not kind:
         raise TypeError(f"expected {kind.__name__}, found {type(value).__name__}")
     # A record without words has one word for its address: it is not copied.
-    return value.words[: kind.n_words]
+    return value.words[: kind.n_words].tolist()  # type: ignore[no-any-return]

@@ -17,6 +17,13 @@ class CodeTarget:
 
 LINUX_TRIPLE, WINDOWS_TRIPLE = "x86_64-unknown-linux-gnu", "x86_64-w64-windows-gnu"
 HOST_TARGET = "host"
+SHIPPED_TARGETS = {
+    "shipped-x86_64-linux": CodeTarget(LINUX_TRIPLE, "x86-64-v3", is_loaded=True),
+    "shipped-aarch64-linux": CodeTarget("aarch64-unknown-linux-gnu", "cortex-a72", is_loaded=True),
+    "shipped-x86_64-windows": CodeTarget("x86_64-pc-windows-msvc", "x86-64-v3", is_loaded=True),
+    "shipped-aarch64-darwin": CodeTarget("arm64-apple-macosx11.0.0", "apple-m1", is_loaded=True),
+}
+"""those whose code is in wheels, by SYSTEM and processor"""
 COMPILED_TARGETS = {
     HOST_TARGET: CodeTarget(is_loaded=True),
     "native": CodeTarget(),
@@ -26,5 +33,6 @@ COMPILED_TARGETS = {
     "x86_64-windows": CodeTarget(WINDOWS_TRIPLE, "x86-64-v3"),
     "x86_64-windows-v2": CodeTarget(WINDOWS_TRIPLE, "x86-64-v2"),
     "aarch64-darwin": CodeTarget("arm64-apple-macosx11.0.0", "apple-m1"),
+    **SHIPPED_TARGETS,
 }
 """by their platforms in FMI 3.0; v2: for x86-64 processors without AVX2 and FMA"""

@@ -19,7 +19,7 @@ WHOLE_TYPES = (
     *("Int64", "UInt64"),
 )
 TRUTH_TYPE, TEXT_TYPE = "Boolean", "String"
-MAX_LISTED = 12
+MAX_LISTED_VARIABLES = 12
 """names in a message"""
 DERIVATIVES_OF_FMI_3 = "providesDirectionalDerivatives"
 """the attribute of a model description that FMPy leaves out"""
@@ -166,8 +166,8 @@ def _variable(fmu: FMU, key: str, causality: str, name: str, known: Mapping[str,
 
 def _listed(names: Sequence[str]) -> str:
     """The end of a message: some of the names that there are."""
-    more = ", ..." if len(names) > MAX_LISTED else ""
-    return f"; it has: {', '.join(names[:MAX_LISTED]) or 'none'}{more}"
+    more = ", ..." if len(names) > MAX_LISTED_VARIABLES else ""
+    return f"; it has: {', '.join(names[:MAX_LISTED_VARIABLES]) or 'none'}{more}"
 
 
 def _parameter(

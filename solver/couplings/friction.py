@@ -80,7 +80,7 @@ AnyCoefficient = Annotated[
 
 @entry(eq=True)
 class JointFriction(Entry):
-    """Friction in a revolute or prismatic joint, by the forces of the joint itself.
+    """Friction in a revolute or prismatic joint, by the forces of the joint itself, or constant.
 
     Parameters
     ----------
@@ -97,6 +97,9 @@ class JointFriction(Entry):
     viscous : float [N m s/rad, N s/m]
     stiffness, damping : float, optional [N m/rad, N/m; N m s/rad, N s/m]
         Of the spring that holds what sticks, by default as stiff as the step resolves.
+    torque, force : float [N m, N]
+        Coulomb friction that the forces of the joint do not change, instead of coefficient, radius,
+        width and preload: the torque of a revolute joint, the force of a prismatic one.
 
     Examples
     --------
@@ -111,6 +114,35 @@ class JointFriction(Entry):
     viscous: NotNegative = 0.0
     stiffness: Positive | None = None
     damping: NotNegative | None = None
+    torque: NotNegative = 0.0
+    force: NotNegative = 0.0
+
+    def validate(self) -> None:
+        if self.constant == 0.0:
+            return
+        key = "torque" if self.torque > 0.0 else "force"
+        given = {
+            "coefficient": self.coefficient.static,
+            "radius": self.radius,
+            "width": self.width,
+            "preload": self.preload,
+            "force": self.force if key == "torque" else 0.0,
+        }
+        if others := [name for name, value in given.items() if value]:
+            raise self.error(f"{key}: constant friction takes no {others[0]}, got both")
+
+    @property
+    def constant(self) -> float:
+        """Friction whatever the forces of the joint [N m, N]."""
+        return self.torque or self.force
+
+    @property
+    def steady(self) -> tuple[FrictionCoefficient, float]:
+        """The coefficient, and the normal force that is always there, times the radius if any."""
+        if self.constant > 0.0:
+            # Any pair with this product would do: the forces of the joint count for nothing.
+            return Coulomb(1.0), self.constant
+        return self.coefficient, self.preload * (self.radius or 1.0)
 
 
 RESOLVED_TURN = 0.3

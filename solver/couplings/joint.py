@@ -409,17 +409,20 @@ class HasFriction(Joint):
         if friction is None:
             return None
         moved = inertia(self.moved_about(sides.pose_a.R))
+        coefficient, preload = friction.steady
         return Bristle(
-            friction.coefficient,
+            coefficient,
             *resolved_spring(friction.stiffness, friction.damping, moved, h),
             friction.viscous,
-            friction.preload * (friction.radius or 1.0),
+            preload,
         )
 
     def _normal_weights(self, friction: JointFriction) -> list[tuple[float, int]]:
         """Weight and group of each row in the normal force, by which friction is one of the
         joint's coordinate: times the radius of a revolute joint.
         """
+        if friction.constant > 0.0:
+            return [(0.0, 0)] * (len(self.translations) + len(self.rotations))
         arm = friction.radius or 1.0
         # A moment M across the axis loads two bearings, width apart, with M / width each.
         bearings = 2.0 * arm / friction.width if friction.width else 0.0

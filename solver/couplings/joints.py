@@ -144,6 +144,8 @@ class Revolute(HasFriction, DrivesAngle, JointWithAxis):
         friction = self.friction
         if friction is not None and friction.coefficient.static > 0.0 and friction.radius is None:
             raise self.error("friction: radius: a revolute joint needs one")
+        if friction is not None and friction.force > 0.0:
+            raise self.error("friction: force: a revolute joint takes a torque")
 
     def rubbing_row(self, A: int, B: int, in_a: Array, in_b: Array) -> Row:
         return Row(AngleRow.number, A, B, in_a[:, 0], in_a[:, 1], in_b[:, 0])
@@ -265,6 +267,8 @@ class Prismatic(HasFriction, DrivesDistance, JointWithAxis):
         super().validate()
         if self.friction is not None and self.friction.radius is not None:
             raise self.error("friction: radius: a prismatic joint takes none")
+        if self.friction is not None and self.friction.torque > 0.0:
+            raise self.error("friction: torque: a prismatic joint takes a force")
 
     def rubbing_row(self, A: int, B: int, in_a: Array, in_b: Array) -> Row:
         return Row(Translation.number, A, B, in_a[:, 2])

@@ -89,6 +89,15 @@ def allocate(lowered: LoweredModel) -> tuple[State, Workspace]:
 
 def make_output(lowered: LoweredModel, n: int) -> Output:
     """Arrays for n rows of output."""
+    return Output.allocate(_sizes_of_output(lowered) | {"n": n})
+
+
+def row_width(lowered: LoweredModel) -> int:
+    """The numbers in a row of output."""
+    return Output.n_elements(_sizes_of_output(lowered) | {"n": 1})
+
+
+def _sizes_of_output(lowered: LoweredModel) -> dict[str, int]:
     kept = sizes_of_kept(lowered.system.surfaces, lowered.model.settings.output)
     given = {"n_fmu_inputs": sum(len(fmu.outputs) for fmu in lowered.model.fmus)}
-    return Output.allocate({**sizes_of(lowered.system, lowered.n_steps), **kept, **given, "n": n})
+    return {**sizes_of(lowered.system, lowered.n_steps), **kept, **given}

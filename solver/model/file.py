@@ -1,7 +1,7 @@
 """Model files: what users write to run a simulation, as a `Model` and back."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -56,18 +56,6 @@ from .model import Model
 from .output_request import OutputRequest
 from .settings import INTERVAL_FORMS, Settings, StartFrom
 
-ARRAYS_OF_TABLES = (
-    "joints",
-    "springs",
-    "motions",
-    "loads",
-    "contacts",
-    "stops",
-    "motors",
-    "couplers",
-    "fmus",
-)
-"""the arrays of tables, in the order in which they are written"""
 MOTION_CLASSES = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
@@ -117,57 +105,104 @@ def _optional(keys: Mapping[str, Any]) -> dict[str, Any]:
     return {key: (kind, None) for key, (kind, _) in keys.items()}
 
 
-_BODY: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
-_BODY.documented = RigidBody, Start, FlexibleBody, _Body
-# Motions have no key `type`: all keys are optional here, and `_motion` finds the kind by them.
-_MOTION: Any = create_model(
-    "Motion",
-    __base__=Table,
-    **_optional({key: kind for motion in MOTION_CLASSES for key, kind in keys_of(motion).items()})
-    | {"name": (str, ""), "on": (str, ...)},
-)
-_MOTION.documented = MOTION_CLASSES
-# In files `output` is a table of its own, not a key of [simulation].
-_SETTINGS = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
-_SIMULATION: Any = create_model(
-    "Simulation", __base__=Table, **_SETTINGS, gravity=(Vector, ZERO_VECTOR)
-)
-_SIMULATION.documented = (Settings,)
+def _table_of_bodies() -> Any:
+    table: Any = create_model("Body", __base__=_Body, **_optional(keys_of(RigidBody)))
+    table.documented = RigidBody, Start, FlexibleBody, _Body
+    return dict[str, table]
 
 
-class _Ground(Table):
-    frames: dict[str, table_of(Frame)] = Field(default_factory=dict)  # type: ignore[valid-type]
+def _table_of_motion() -> Any:
+    """Motions have no key `type`: all keys are optional here, and `_motion` finds the kind by
+    them.
+    """
+    keys = {key: kind for motion in MOTION_CLASSES for key, kind in keys_of(motion).items()}
+    table: Any = create_model(
+        "Motion", __base__=Table, **_optional(keys) | {"name": (str, ""), "on": (str, ...)}
+    )
+    table.documented = MOTION_CLASSES
+    return table
 
 
-class _ModelFile(Table):
-    simulation: _SIMULATION
-    output: table_of(OutputRequest) = table_of(OutputRequest)()  # type: ignore[valid-type]
-    bodies: dict[str, _BODY] = Field(min_length=1)
-    ground: _Ground = _Ground()
-    joints: tuple[Any, ...] = ()
-    loads: tuple[Any, ...] = ()
-    springs: tuple[table_of(Spring), ...] = ()  # type: ignore[valid-type]
-    motions: tuple[_MOTION, ...] = ()
-    contacts: tuple[tables_by_key(Contact, surfaces=SurfaceContact), ...] = ()  # type: ignore[valid-type]
-    stops: tuple[table_of(Stop), ...] = ()  # type: ignore[valid-type]
-    couplers: tuple[table_of(Coupler), ...] = ()  # type: ignore[valid-type]
-    motors: tuple[table_of(Motor), ...] = ()  # type: ignore[valid-type]
-    fmus: tuple[table_of(FMU), ...] = ()  # type: ignore[valid-type]
+def _table_of_simulation() -> Any:
+    # In files `output` is a table of its own, not a key of [simulation].
+    keys = {key: kind for key, kind in keys_of(Settings).items() if key != "output"}
+    table: Any = create_model("Simulation", __base__=Table, **keys, gravity=(Vector, ZERO_VECTOR))
+    table.documented = (Settings,)
+    return table
 
 
-def _model_file() -> Any:
-    """The table of a model file, with all kinds of joints and loads that are known by now."""
-    return _model_file_of(*JOINTS.values(), *LOADS.values())
+def _table_of_ground() -> Any:
+    frames: Any = dict[str, table_of(Frame)], Field(default_factory=dict)  # type: ignore[misc]
+    return create_model("Ground", __base__=Table, frames=frames)
 
 
-# Made when files are read: programs may have added kinds since this module was imported.
+TABLES_OF_ARRAYS: dict[str, Callable[[Sequence[str]], Any]] = {
+    "joints": lambda tags: table_of_kinds(JOINTS, tags),
+    "springs": lambda tags: table_of(Spring),
+    "motions": lambda tags: _table_of_motion(),
+    "loads": lambda tags: table_of_kinds(LOADS, tags),
+    "contacts": lambda tags: tables_by_key(Contact, surfaces=SurfaceContact),
+    "stops": lambda tags: table_of(Stop),
+    "motors": lambda tags: table_of(Motor),
+    "couplers": lambda tags: table_of(Coupler),
+    "fmus": lambda tags: table_of(FMU),
+}
+"""the arrays of tables, in the order in which they are written, and what makes the table of an item
+with one of some values of the key `type`
+"""
+KINDS_BY_TYPE = {"joints": JOINTS, "loads": LOADS}
+
+
+def table_of_any_model() -> Any:
+    """The table of a model file, with all that one may have."""
+    return _table_of_model(dict.fromkeys(TABLES_OF_ARRAYS))
+
+
+def _table_of_model(content: Mapping[str, Any]) -> Any:
+    """The table of a model file, as far as it has arrays and kinds of joints and loads.
+
+    To make the tables of all kinds takes longer than to read most files.
+    """
+    arrays = tuple(
+        (name, _tags(name, content[name])) for name in TABLES_OF_ARRAYS if name in content
+    )
+    # Read now: programs may have added kinds since this module was imported.
+    return _table_of_arrays(arrays, (*JOINTS.values(), *LOADS.values()))
+
+
+def _tags(array: str, items: Any) -> tuple[str, ...]:
+    """The kinds in an array of tables, by `type`; all that are known if it has another."""
+    known = [*KINDS_BY_TYPE.get(array, ())]
+    tables = items if isinstance(items, list) else []
+    found = [item.get("type") if isinstance(item, Mapping) else None for item in tables]
+    # The message about a wrong kind lists all right ones.
+    are_known = found and all(tag in known for tag in found)
+    return tuple(tag for tag in known if tag in found) if are_known else tuple(known)
+
+
 @cache
-def _model_file_of(*known: type[Entry]) -> Any:
-    kinds: dict[str, Any] = {
-        "joints": (tuple[table_of_kinds(JOINTS), ...], ()),  # type: ignore[misc]
-        "loads": (tuple[table_of_kinds(LOADS), ...], ()),  # type: ignore[misc]
+def _table_of_arrays(
+    arrays: tuple[tuple[str, tuple[str, ...]], ...], known: tuple[type[Entry], ...]
+) -> Any:
+    """The table of a model file with some arrays, each with the kinds in it.
+
+    known: all kinds; a program may have given a tag to another class.
+    """
+    present = dict(arrays)
+    items: dict[str, Any] = {
+        name: (tuple[table(present[name]) if name in present else Any, ...], ())  # type: ignore[misc]
+        for name, table in TABLES_OF_ARRAYS.items()
     }
-    return create_model("ModelFile", __base__=_ModelFile, **kinds)
+    output, ground = table_of(OutputRequest), _table_of_ground()
+    return create_model(
+        "ModelFile",
+        __base__=Table,
+        simulation=(_table_of_simulation(), ...),
+        output=(output, Field(default_factory=output)),
+        bodies=(_table_of_bodies(), Field(min_length=1)),
+        ground=(ground, Field(default_factory=ground)),
+        **items,
+    )
 
 
 ENTRY_FAMILIES = SIGNAL_FORMS, FORCE_LAWS, FRICTION_COEFFICIENTS, INTERVAL_FORMS, BODY_SHAPES
@@ -188,7 +223,7 @@ def model_schema() -> dict[str, Any]:
     tables = {family: tables_of(family) for family in ENTRY_FAMILIES}
     families = {family.title: definition(family, own) for family, own in tables.items()}
     members = [table for own in tables.values() for table in own.values()]
-    return document_of(_model_file(), "A model file of Duhamel", families, members)
+    return document_of(table_of_any_model(), "A model file of Duhamel", families, members)
 
 
 def read_model(path: str | os.PathLike[str]) -> Model:
@@ -209,7 +244,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
-    file, text = read_table(path, _model_file(), ModelError)
+    file, text = read_table(path, _table_of_model, ModelError)
     # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
         return _model(file, text, path)
@@ -256,7 +291,7 @@ def write_model(model: Any, path: Any, /) -> None:
         temporary.write_text(toml_of(document), encoding="utf-8")
 
 
-def _model(file: _ModelFile, text: str, path: Path) -> Model:
+def _model(file: Any, text: str, path: Path) -> Model:
     superelements: dict[Path, Superelement] = {}
     simulation = present_keys(file.simulation)
     gravity = simulation.pop("gravity", ZERO_VECTOR)
@@ -264,7 +299,7 @@ def _model(file: _ModelFile, text: str, path: Path) -> Model:
     if isinstance(settings.start, StartFrom):
         settings = replace(settings, start=settings.start.beside(path.parent))
     # Motions have no table of their kind, and files have both kinds of contacts in one array.
-    named = (name for name in ARRAYS_OF_TABLES if name not in ("motions", "contacts"))
+    named = (name for name in TABLES_OF_ARRAYS if name not in ("motions", "contacts"))
     entries = {name: value_of(getattr(file, name)) for name in named}
     return Model(
         bodies={
@@ -303,7 +338,7 @@ def _body(
         raise ModelError(f"bodies.{name}: {error}") from error
 
 
-def _contacts(file: _ModelFile, kind: type[Entry]) -> tuple[Any, ...]:
+def _contacts(file: Any, kind: type[Entry]) -> tuple[Any, ...]:
     return tuple(value_of(table) for table in file.contacts if table.entry is kind)
 
 
@@ -339,7 +374,7 @@ def _document(model: Model, folder: Path) -> dict[str, Any]:
         "bodies": {name: _body_in_file(name, body, folder) for name, body in model.bodies.items()},
         **{
             name: [table_in_file(entry) for entry in _entries(model, name)]
-            for name in ARRAYS_OF_TABLES
+            for name in TABLES_OF_ARRAYS
         },
     }
     # Empty tables are left out: a file says only what is not the default.

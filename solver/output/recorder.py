@@ -8,7 +8,7 @@ import numpy as np
 from ...results.batches import Batch, Energies, EventRows
 from ...results.source import Writer
 from ..arrays import Index
-from ..lower.allocation import make_output
+from ..lower.allocation import make_output, row_width
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace
 from .events import taken, unfinished
@@ -35,7 +35,7 @@ class Recorder:
         work: Workspace,
         start: Energies = NO_ENERGIES,
     ) -> None:
-        width = sum(array.size for array in make_output(lowered, 1).arrays())
+        width = row_width(lowered)
         self._every, self._last = lowered.model.settings.output.every, lowered.n_steps
         n = min(BUFFER_NUMBERS // width, rows_of(lowered))
         # Models of thousands of bodies have long rows: some steps at least go at once.
@@ -80,14 +80,14 @@ class Recorder:
         self._steps[0], self._waiting = step, 1
         self.start = Energies.of(self.output)
 
-    def write(self) -> None:
+    def write(self, is_last: bool = False) -> None:
         """Write the rows in the buffer; none twice, even after an interrupt."""
         steps, events = self._steps[: self._waiting], self._events
         # Forgotten before they are written: after an interrupt in `append` none is written twice.
         self._waiting, self._events = 0, []
         if len(steps) or events:
             joined = EventRows.joined(events)
-            self._writer.append(Batch(steps, self._h, self.output, self.start, joined))
+            self._writer.append(Batch(steps, self._h, self.output, self.start, joined, is_last))
         self._written = time.perf_counter()
 
     def __exit__(
@@ -101,6 +101,6 @@ class Recorder:
             return
         self._events.append(unfinished(self._lowered, self._state, self._work))
         try:
-            self.write()
+            self.write(is_last=True)
         finally:
             self._writer.flush()

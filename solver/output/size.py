@@ -10,6 +10,8 @@ from ...results.file import chunks
 from ..errors import ModelError
 
 BYTES_OF_NUMBER = 8
+# 16 MiB: to ask what is free takes as long as a hundred steps.
+UNCHECKED_RESULT_BYTES = 1 << 24
 
 
 def row_numbers(contents: Contents) -> int:
@@ -30,7 +32,8 @@ def file_bytes(contents: Contents, rows: int) -> int:
 
 def check_memory(contents: Contents, rows: int) -> None:
     """`ModelError` for results that memory cannot hold."""
-    if lacking := shortage(BYTES_OF_NUMBER * row_numbers(contents) * rows):
+    size = BYTES_OF_NUMBER * row_numbers(contents) * rows
+    if size > UNCHECKED_RESULT_BYTES and (lacking := shortage(size)):
         raise ModelError(
             f"output: results of {rows} steps with {row_numbers(contents)} numbers each {lacking}: "
             "record fewer by `every` and `quantities`, or write them to a file"

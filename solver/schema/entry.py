@@ -7,6 +7,7 @@ Making one converts and checks them; tables.py reads and writes model files by t
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from inspect import Signature, signature
 from types import NoneType
 from typing import (
     Annotated,
@@ -114,20 +115,37 @@ def entry(*, eq: bool = False, kw_only: bool = False) -> Callable[[type[AnyEntry
     def make(kind: type[AnyEntry]) -> type[AnyEntry]:
         # Descriptors of values.py are there for type checkers alone; at run time these are
         # annotations.
-        frozen = dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
-        types, signature = get_type_hints(frozen), vars(frozen)["__init__"].__annotations__
-        # help() prints the annotations of __init__: without this it would print whole field
-        # specifications.
-        signature |= {name: types[name] for name in signature if name in types}
-        return frozen
+        return dataclass(frozen=True, eq=eq, kw_only=kw_only)(kind)
 
     return make
+
+
+def signature_of(kind: Any) -> Signature:
+    """The signature of an entry as help() shows it, with types alone.
+
+    The annotations of its fields are whole specifications.
+    """
+    made, types = signature(kind.__init__), get_type_hints(kind)
+    _, *parameters = made.parameters.values()
+    typed = [each.replace(annotation=types.get(each.name, each.annotation)) for each in parameters]
+    return made.replace(parameters=typed)
+
+
+class _LazySignature:
+    """The signature of an entry, made when it is asked for.
+
+    To make those of all takes as long as to read a model.
+    """
+
+    def __get__(self, instance: Any, kind: type) -> Signature:
+        return signature_of(kind)
 
 
 class Entry:
     """A frozen dataclass that converts and checks its fields when it is made."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
+    __signature__: ClassVar[Any] = _LazySignature()
 
     label: ClassVar[str] = ""
     """the name of an entry in messages, by its fields: "joint {name!r}" """

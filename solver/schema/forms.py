@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from .entry import Entry, former_keys, renamed
+from .entry import Entry, former_keys, renamed, signature_of
 
 AnyEntryType = TypeVar("AnyEntryType", bound=type[Entry])
 
@@ -43,8 +43,7 @@ class ByType(type):
         # Otherwise help() and notebooks would show that of the call below, which takes anything.
         if "of_type" in vars(cls):
             return inspect.signature(cls.of_type)  # type: ignore[attr-defined]
-        made = inspect.signature(cls.__init__)  # type: ignore[misc]
-        return made.replace(parameters=list(made.parameters.values())[1:])
+        return signature_of(cls)
 
     def __call__(cls, *args: Any, **given: Any) -> Any:
         # Here, before __init__, since dataclasses.replace makes its copies by this call as well.

@@ -1,6 +1,6 @@
 """Entries as tables of a model file, by the specifications of their fields."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, Field, fields, replace
 from functools import cache
@@ -51,9 +51,11 @@ def table_of(kind: type[Entry]) -> type[EntryTable]:
     return table
 
 
-def table_of_kinds(kinds: Kinds) -> Any:
-    """The table in which a model file gives an entry of one of several kinds."""
-    tables = tuple(table_of(kind) for kind in kinds.values())
+def table_of_kinds(kinds: Kinds, tags: Iterable[str]) -> Any:
+    """The table in which a model file gives an entry of one of several kinds, by their tags."""
+    tables = tuple(table_of(kinds[tag]) for tag in tags)
+    if len(tables) == 1:
+        return tables[0]
     return Annotated[Union[tables], PydanticField(discriminator="type")]  # noqa: UP007 - of a tuple of types
 
 

@@ -18,7 +18,7 @@ from duhamel.solver import (
 )
 from duhamel.solver.laws.law import FORCE_LAWS
 from duhamel.solver.model.body_shapes import BODY_SHAPES
-from duhamel.solver.model.file import _ModelFile
+from duhamel.solver.model.file import table_of_any_model
 from duhamel.solver.signals import signal as signals
 
 from .messages import complaint
@@ -30,6 +30,7 @@ REFUSALS = ModelError, ConvergenceError, ResultsError
 NAMES = "joint '", "contact '", "joints: ", "motion '", "body '", "step "
 """of the parts that are at odds with a bad value elsewhere"""
 
+MODEL_FILE = table_of_any_model()
 PARTS = 4
 """of the bad values, of which every run tries one at each key"""
 FORMS = {
@@ -42,9 +43,9 @@ FORMS = {
 def keys() -> Iterator[tuple[str, Place]]:
     """Each key of each table, in the first of the documents that has the table."""
     for name in ("mechanism", "steady"):
-        yield from ((name, place) for place in declared(_ModelFile, DOCUMENTS[name]))
+        yield from ((name, place) for place in declared(MODEL_FILE, DOCUMENTS[name]))
     for name in KINDS:
-        places = declared(_ModelFile, DOCUMENTS[name])
+        places = declared(MODEL_FILE, DOCUMENTS[name])
         yield from ((name, at) for at in places if at[0] in ("joints", "loads") and len(at) == 3)
 
 
@@ -135,7 +136,7 @@ def test_the_documents_are_models(beam_file):
 
 def test_every_table_of_a_model_file_is_in_a_document():
     """Else keys of a new table would go untried."""
-    tables = {kind.__name__ for kind in _all_tables(_ModelFile)}
+    tables = {kind.__name__ for kind in _all_tables(MODEL_FILE)}
     tried = {kind.__name__ for document in DOCUMENTS.values() for kind in _tables_of(document)}
     assert tables == tried
 
@@ -156,10 +157,10 @@ def _all_tables(kind: type[Any]) -> Iterator[type[Any]]:
 
 def _tables_of(document: Any) -> Iterator[type[Any]]:
     """The tables that a document has: those of which it has all the places of `declared`."""
-    places = {place for place in declared(_ModelFile, document) if place[-1] == UNKNOWN}
-    for kind in _all_tables(_ModelFile):
+    places = {place for place in declared(MODEL_FILE, document) if place[-1] == UNKNOWN}
+    for kind in _all_tables(MODEL_FILE):
         keys = set(kind.model_fields)
         for place in places:
-            below = {key for *at, key in declared(_ModelFile, document) if tuple(at) == place[:-1]}
+            below = {key for *at, key in declared(MODEL_FILE, document) if tuple(at) == place[:-1]}
             if below - {UNKNOWN} == keys and issubclass(kind, Table):
                 yield kind

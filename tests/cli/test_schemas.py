@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from duhamel.cli import app
 from duhamel.preprocess import Body
-from duhamel.solver.model.file import _ModelFile
+from duhamel.solver.model.file import table_of_any_model
 from import_order import ROOT
 from jsonschema import Draft7Validator
 from make_schemas import FOLDER, text
@@ -40,6 +40,7 @@ def validator(kind: str) -> Draft7Validator:
 
 
 MODEL = validator("model")
+MODEL_FILE = table_of_any_model()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -96,7 +97,7 @@ def test_every_form_of_force_law_keeps_the_schema(form):
 
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_an_unknown_key_and_a_wrong_type_are_refused_at_every_key_of_a_model(name):
-    assert taken(MODEL, DOCUMENTS[name], declared(_ModelFile, DOCUMENTS[name])) == []
+    assert taken(MODEL, DOCUMENTS[name], declared(MODEL_FILE, DOCUMENTS[name])) == []
 
 
 def test_an_unknown_key_and_a_wrong_type_are_refused_at_every_key_of_a_body():

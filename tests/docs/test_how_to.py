@@ -18,7 +18,10 @@ from .walk import Block, blocks, walk
 
 WALKED = "how-to/drop-test.md"
 """the guide that shows whole files and commands"""
-OWN_WALKS = "how-to/robot-arm.md", "how-to/hammer-test.md", "how-to/controller-fmu.md"
+OWN_WALKS = (
+    *("how-to/robot-arm.md", "how-to/hammer-test.md", "how-to/robots.md"),
+    "how-to/controller-fmu.md",
+)
 
 ALL = sorted(f"how-to/{path.name}" for path in (ROOT / "docs" / "how-to").glob("*.md"))
 GUIDES = [guide for guide in ALL if guide not in (WALKED, *OWN_WALKS)]

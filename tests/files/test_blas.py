@@ -90,3 +90,14 @@ def test_small_products_have_one_thread(two_threads, threads_in, tmp_path):
     assert len(threads_in) == 7
     assert {threads for seen in threads_in.values() for threads in seen} == {1}
     assert most_threads() == 2
+
+
+def test_the_limit_lasts_until_the_last_thread_has_left_it(two_threads):
+    """Blocks of threads end in any order: the first to end is not the last that needs the limit."""
+    first, second = one_blas_thread(), one_blas_thread()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert most_threads() == 1
+    second.__exit__(None, None, None)
+    assert most_threads() == 2

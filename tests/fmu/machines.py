@@ -2,17 +2,22 @@
 
 import duhamel as du
 import numpy as np
+import skfem
+
+STEEL = du.Material(E=210e9, nu=0.3, rho=7800.0)
 
 
 def settings(t_end, step, **more):
     return du.solver.Settings(t_end=t_end, step=step, **more)
 
 
-def beam(length=0.5):
+def beam(length=0.5, rotates=False):
     points = np.linspace([0.0, 0.0, 0.0], [length, 0.0, 0.0], 5)
     material = du.Material(E=70e9, nu=0.3, rho=2700.0)
     part = du.Beam(points, section=du.Section.rectangle(material, width=0.008, height=0.008))
     part.damping(modal=0.02)
+    if rotates:
+        part.rotation(modes=2)
     part.interface("root", points[0])
     part.interface("tip", points[-1])
     return part.superelement(step=1e-4, duration=0.03)
@@ -26,6 +31,39 @@ def rod(**more):
     m.add(du.loads.Torque(arm["root"], [0, 0, 1], du.signals.Input("u", 0.1)))
     m.add(du.loads.Force(arm["tip"], [0, 1, 0], du.signals.Steps([0.0, 0.0123], [1.0, -2.0])))
     return m.model(settings(0.08, 1e-4, **more))
+
+
+def rotor(**more):
+    """A rod with terms of second order, which turns fast about one end."""
+    m = du.Mechanism()
+    spin = [0.0, 0.0, 100.0]
+    arm = m.add(beam(rotates=True), name="arm", velocity=[0.0, 25.0, 0.0], angular_velocity=spin)
+    m.add(du.joints.Revolute(m.ground, arm["root"], axis="z", name="pivot"))
+    m.add(du.loads.Torque(arm["root"], [0, 0, 1], du.signals.Input("u", 0.1)))
+    return m.model(settings(0.08, 1e-4, **more))
+
+
+def block(**more):
+    """An elastic block that falls on a plane with its lower surface, and slides with friction."""
+    m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
+    side = np.linspace(-0.004, 0.004, 6)
+    part = du.Part(skfem.MeshHex.init_tensor(side, side, side + 0.004), STEEL, name="block")
+    part.damping(modal=0.02)
+    part.surface("foot", du.plane(z=0.0))
+    part.interface("top", du.plane(z=0.008))
+    body = m.add(
+        part.superelement(step=1e-6, duration=1e-4, band=2.5e5),
+        name="block",
+        position=[0.0, 0.0, 0.00401],
+        velocity=[0.1, 0.0, -0.2],
+    )
+    m.add(
+        du.contacts.surface(
+            body["foot"], m.ground, shape="plane", axis="z", friction=0.2, name="floor"
+        )
+    )
+    m.add(du.loads.Force(body["top"], [1.0, 0.0, 0.3], du.signals.Input("u")))
+    return m.model(settings(6e-4, 1e-6, **more))
 
 
 def servo(**more):
@@ -90,6 +128,8 @@ def linkage(**more):
 MACHINES = {
     "rod": (rod, {}),
     "direct": (rod, {"history": "direct"}),
+    "rotor": (rotor, {}),
+    "block": (block, {}),
     "corrections": (rod, {"fixed_iterations": 2}),
     "servo": (servo, {}),
     "box": (box, {}),

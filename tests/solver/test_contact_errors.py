@@ -93,6 +93,11 @@ FRICTIONS = [
     ("prismatic", "{radius = 0.1}", "friction: radius: a prismatic joint takes none"),
     ("revolute", "{coefficient = -1, radius = 1}", "friction: coefficient: sliding: expected"),
     ("revolute", "{mu = 0.3}", "friction: unknown key 'mu'"),
+    ("revolute", "{force = 2}", "friction: force: a revolute joint takes a torque"),
+    ("prismatic", "{torque = 2}", "friction: torque: a prismatic joint takes a force"),
+    ("revolute", "{torque = 2, preload = 1}", "torque: constant friction takes no preload"),
+    ("revolute", "{torque = 2, force = 1}", "torque: constant friction takes no force"),
+    ("revolute", "{torque = -2}", "friction.torque: expected a number of at least 0"),
 ]
 
 

@@ -9,6 +9,7 @@ from duhamel.solver import (
     Contact,
     Coulomb,
     FlexibleBody,
+    Force,
     ForceTable,
     Frame,
     Hertz,
@@ -634,6 +635,43 @@ def test_friction_by_thrust_moments_and_preload(width, moment):
     rate = np.gradient(results.body("wheel").v[:, 5], results.time)[250]
     expected = -(torque + 0.02 * results.body("wheel").v[250, 5]) / J
     assert rate == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("thrust", [0.0, 500.0])
+def test_friction_of_a_constant_torque_does_not_depend_on_the_load(thrust):
+    """J w' = -torque - viscous w until it rests, whatever the axle carries."""
+    J, torque, viscous, w0 = 0.5, 0.04, 0.1, 0.3
+    friction = JointFriction(torque=torque, viscous=viscous)
+    model = model_of(
+        {"wheel": RigidBody(2.0, [J] * 3, start=Start(angular_velocity=[0, 0, w0]))},
+        [Revolute("ground", "wheel", UP, name="axle", friction=friction)],
+        loads=(Force("wheel", [1.0, 0.0, -1.0], Constant(thrust)),),
+        t_end=4.0,
+        step=1e-3,
+    )
+    results = simulate(model)
+    w, t = results.body("wheel").v[:, 5], results.time
+    # w = (w0 + T / c) exp(-c t / J) - T / c; friction acts from the first step on, not at t = 0
+    exact = (w0 + torque / viscous) * np.exp(-viscous * t / J) - torque / viscous
+    np.testing.assert_allclose(w, np.maximum(exact, 0.0), atol=1e-3 * w0)
+    assert np.abs(w[-300:]).max() < 1e-9
+
+
+@pytest.mark.parametrize(("force", "moves"), [(3.0, True), (7.0, False)])
+def test_friction_of_a_constant_force_holds_a_slide_up_to_it(force, moves):
+    """A block of 2 kg on a slope of 20 degrees is pulled down it by 6.71 N."""
+    a = np.radians(20.0)
+    axis = np.array([np.cos(a), 0, -np.sin(a)])
+    model = model_of(
+        {"block": RigidBody(2.0, [0.5] * 3)},
+        [Prismatic("ground", "block", axis, name="guide", friction=JointFriction(force=force))],
+        gravity=[0, 0, -G],
+        t_end=1.0,
+        step=1e-3,
+    )
+    v = simulate(model).body("block").v[:, :3] @ axis
+    expected = G * np.sin(a) - 0.5 * force if moves else 0.0
+    assert (v[-1] - v[-101]) / 0.1 == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_beam_on_a_wall_is_its_full_mesh_on_a_wall(beam):

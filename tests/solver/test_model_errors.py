@@ -450,16 +450,16 @@ FILES = {
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, "
         "amplitude, polynomial, "
         "impulse, pulse, input, sum, "
-        "product, delay, file, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
-        "spectrum, found {'wave': 1}",
+        "product, delay, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
+        "spectrum, file, found {'wave': 1}",
     ),
     "a signal that is nearly one": (
         {"rest": "[[loads]]\ntype='force'\non='a'\ndirection=[1,0,0]\nsignal={polynomal = [1]}"},
         "load (force) on 'a': signal: expected a number or a table with one of the keys times, "
         "amplitude, polynomial, "
         "impulse, pulse, input, sum, "
-        "product, delay, file, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
-        "spectrum, found {'polynomal': [1]}; did you mean 'polynomial'?",
+        "product, delay, smooth_step, half_sine, trapezoid, sawtooth, window, chirp, noise, "
+        "spectrum, file, found {'polynomal': [1]}; did you mean 'polynomial'?",
     ),
     "a key of a signal": (
         {

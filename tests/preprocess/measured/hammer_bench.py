@@ -65,7 +65,8 @@ class Errors:
     """Of a test: relative noise and its floor [1/kg], degrees and meters of sensors and hits, gain.
 
     mass: of each sensor [kg]; window [1/s]; cords: the frequency of the part on them [Hz];
-    dashpot [N s/m]: between two corners, along their line.
+    dashpot [N s/m]: between two corners, along their line; damping: the ratio of all modes in place
+    of their own.
     """
 
     noise: float = 0.0
@@ -77,6 +78,7 @@ class Errors:
     window: float = 0.0
     cords: float = 0.0
     dashpot: float = 0.0
+    damping: float = 0.0
     seed: int = 1
 
 
@@ -198,6 +200,8 @@ def measure(errors: Errors = Errors(), resolution: float = 0.0) -> Bench:
     resolution [Hz]: of even lines from 0 to FASTEST; else there are more of them below 700 Hz.
     """
     part, rng = truth(), np.random.default_rng(errors.seed)
+    if errors.damping:
+        part = replace(part, zeta=np.full(len(part.zeta), errors.damping))
     f = np.concatenate([np.arange(BAND[0], 700.0, 1.0), np.arange(700.0, BAND[1] + 1.0, 4.0)])
     if resolution:
         f = np.arange(0.0, FASTEST + 0.5 * resolution, resolution)

@@ -39,7 +39,8 @@ def angle():
 
 @pytest.fixture(scope="module")
 def struck(angle):
-    return struck_part(angle, PLACES, 5000.0, Stages())
+    pushes = {f"h{label}": np.array(d, dtype=float) for label, (_, d) in HITS.items()}
+    return struck_part(angle, PLACES, pushes, 5000.0, Stages())
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +66,8 @@ def test_motion_beside_a_point_is_that_of_the_mesh_there(angle):
     middle, along = PLACES["s7"] + [0.012, 0.01, 0.004], np.array([0.6, 0.64, 0.48])
     lengths = 0.0, 2e-3, 4e-3
     points = {f"{length}": middle + length * along for length in lengths}
-    struck, s = struck_part(angle, points, 5000.0, Stages()), 2j * np.pi * np.array([900.0, 3000.0])
+    struck = struck_part(angle, points, {}, 5000.0, Stages())
+    s = 2j * np.pi * np.array([900.0, 3000.0])
     top = struck.at_interface("top")
     errors = []
     for k in (1, 2):
@@ -132,7 +134,7 @@ def test_hits_push_into_the_part(angle):
     assert (inside[:, 1] < 0.05).all()
     np.testing.assert_allclose(np.linalg.norm(surface.inwards, axis=1), 1.0)
     # A closed surface: the sum of areas times normals would vanish; of points, each has a far side.
-    struck_part(angle, {f"{k}": X for k, X in enumerate(inside[::40])}, 500.0, Stages())
+    struck_part(angle, {f"{k}": X for k, X in enumerate(inside[::40])}, {}, 500.0, Stages())
 
 
 def test_measure_makes_a_plan_that_preprocess_takes(angle, tmp_path, monkeypatch):
@@ -222,7 +224,7 @@ def test_what_cannot_be_tested_is_refused(angle, tmp_path, monkeypatch):
 
 def test_a_place_that_the_mesh_lacks_is_named(angle):
     with pytest.raises(MeasurementError, match="sensor 9: expected a point within the body"):
-        struck_part(angle, {"sensor 9": np.array([0.1, 0.0, 0.1])}, 500.0, Stages())
+        struck_part(angle, {"sensor 9": np.array([0.1, 0.0, 0.1])}, {}, 500.0, Stages())
 
 
 @pytest.mark.parametrize(

@@ -3,19 +3,25 @@
 import h5py
 import numpy as np
 import pytest
+import pyuff
 import scipy.io
 from duhamel import preprocess
 from duhamel.preprocess import MeasurementError
+from duhamel.preprocess.measured.part import identified
 from duhamel.preprocess.measured.part_test import read_part_test
+from duhamel.preprocess.progress import Stages
 
-from .hammer_bench import FASTEST, Errors, measure
+from .hammer_bench import ALL, FASTEST, HITS, SENSORS, Errors, measure, replace, truth
 
 STEP = 0.5 / FASTEST
 
 
-def responses(seconds, window=0.0):
-    """Of the exact part, recorded for a time in which they may not have come to rest."""
-    whole = np.fft.irfft(measure(Errors(), 0.5).H, axis=0) / STEP
+NO_ERRORS = Errors()
+
+
+def responses(seconds, window=0.0, errors=NO_ERRORS):
+    """Of a part, recorded for a time in which they may not have come to rest."""
+    whole = np.fft.irfft(measure(errors, 0.5).H, axis=0) / STEP
     count = round(seconds / STEP)
     # What the rate of a record cuts off makes it begin before the hit, which an FFT has at its end.
     before = count // 50
@@ -95,4 +101,108 @@ def test_frequency_responses_are_no_impulse_responses(tmp_path):
     bench = measure(Errors())
     body = written(tmp_path, {"f": bench.f, "H": bench.H}, quantity='"impulse"')
     with pytest.raises(MeasurementError, match='quantity = "impulse": expected the arrays resp'):
+        read_part_test(body)
+
+
+def of_modes(part):
+    """Largest errors of the frequencies and damping ratios of nine modes."""
+    fit, omega = part.found.fit, truth().element.modes.omega[:9]
+    nearest = np.abs(fit.omega[:, None] - omega).argmin(axis=0)
+    frequency = np.abs(fit.omega[nearest] / omega - 1.0).max()
+    return frequency, np.abs(fit.zeta[nearest] / truth().zeta[:9] - 1.0).max()
+
+
+@pytest.mark.parametrize(("seconds", "window"), [(0.8, 0.0), (0.4, 15.0)])
+def test_noise_over_time_is_as_harmless_as_noise_of_lines(seconds, window, tmp_path):
+    """White noise, of 2 % of the median line of each response; bounds of frequency responses."""
+    errors = replace(ALL, noise=0.0, floor=0.0)
+    record = responses(seconds, window, errors)
+    level = np.median(np.abs(measure(errors, 0.5).H), axis=0)
+    white = np.random.default_rng(5).standard_normal(record.shape)
+    noise = 0.02 * level / (STEP * np.sqrt(len(record))) * white
+    part = identified(
+        written(tmp_path, {"response": record + noise, "step": STEP}, window=window), Stages()
+    )
+    assert part.doubts == ()
+    assert part.found.fit.misfit < 0.07
+    frequency, damping = of_modes(part)
+    assert frequency < 1e-4
+    assert damping < 1e-2
+
+
+KEYS = {"abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13}
+"""of UFF: acceleration per force over time"""
+
+
+def write_records(path, record, before=0, **keys):
+    """Sets 58 of all pairs over time, `before` of whose times are those before the hit."""
+    data = np.roll(record, before, axis=0)
+    names = [(label, axis) for label in SENSORS for axis in (1, 2, 3)]
+    sets = [
+        {
+            "type": 58,
+            "binary": 1,
+            "func_type": 1,
+            "id1": "record",
+            "rsp_node": int(label),
+            "rsp_dir": axis,
+            "ref_node": int(hit),
+            "ref_dir": 0,
+            "x": STEP * np.arange(-before, len(record) - before),
+            "data": data[:, o, i],
+            **KEYS,
+            **keys,
+        }
+        for i, hit in enumerate(HITS)
+        for o, (label, axis) in enumerate(names)
+    ]
+    pyuff.UFF(str(path)).write_sets(sets, mode="add")
+
+
+SHORT = 400
+"""times of records that are only read"""
+
+
+def decayed():
+    times = np.arange(SHORT)[:, None, None]
+    return np.ones((1, 3 * len(SENSORS), len(HITS))) * np.exp(-0.1 * times) * np.sin(0.3 * times)
+
+
+@pytest.mark.parametrize("before", [0, 20])
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of pyuff's writer
+def test_records_of_uff_files_are_impulse_responses(before, tmp_path):
+    record = decayed() * np.arange(1, len(HITS) + 1)
+    write_records(tmp_path / "angle.uff", record, before)
+    data = read_part_test(written(tmp_path, {}, frf="angle.uff")).data
+    expected = STEP * np.fft.rfft(record, axis=0)
+    used = slice(int(np.ceil(20.0 * SHORT * STEP)), None)
+    np.testing.assert_allclose(
+        data.H, expected[used][: len(data.f)], atol=1e-6 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "quantity", "message"),
+    [
+        ({"orddenom_spec_data_type": 0}, "", "a time response that is not per force: expected imp"),
+        ({"orddenom_spec_data_type": 0}, '"impulse"', None),
+        ({"orddenom_spec_data_type": 12}, '"impulse"', "not per force: .* found the type 12"),
+        ({"ordinate_spec_data_type": 11}, "", r"of acceleration \(12\), found the type 11"),
+        (
+            {"ordinate_spec_data_type": 13, "orddenom_spec_data_type": 0},
+            '"impulse"',
+            r"of acceleration \(12\), found the type 13",
+        ),
+        ({"func_type": 2}, "", "a function of type 2 over time is no impulse response"),
+        ({"x": STEP * np.arange(3, SHORT + 3)}, "", "the hit at t = 0 among them, found 0.00023"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of pyuff's writer
+def test_records_that_are_no_impulse_responses_are_refused(keys, quantity, message, tmp_path):
+    write_records(tmp_path / "angle.uff", decayed(), **keys)
+    body = written(tmp_path, {}, frf="angle.uff", quantity=quantity)
+    if message is None:
+        assert np.isfinite(read_part_test(body).data.H).all()
+        return
+    with pytest.raises(MeasurementError, match=message):
         read_part_test(body)

@@ -292,7 +292,7 @@ def test_uff_sets_that_cannot_be_read_or_are_missing_are_named(coarse, tmp_path)
         preprocess.build(preprocess.read_body(path))
     (tmp_path / "angle.uff").write_text("    -1\n   151\n    -1\n")
     with pytest.raises(
-        MeasurementError, match="expected sets 58 of frequency responses, found none"
+        MeasurementError, match="expected sets 58 of frequency or impulse responses, found none"
     ):
         preprocess.build(preprocess.read_body(path))
 

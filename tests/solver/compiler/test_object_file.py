@@ -329,8 +329,11 @@ del numba.core.codegen.JITCodeLibrary
 """
 CHANGED = """
 import sys
-from duhamel.solver.compiler import marks, stock
+from pathlib import Path
+from duhamel.solver.compiler import marks, object_file, stock
 from duhamel.solver.step.elimination import factorize
+
+object_file.SHIPPED_FOLDER = Path("nowhere")
 
 def bind(folder):
     (folder / "kept.nbi").touch()
@@ -419,7 +422,7 @@ assert before == own == after != b""
 
 @pytest.mark.parametrize("program", [THREADS, FORKS], ids=["threads", "forks"])
 def test_entries_are_called_by(program, compiled):
-    assert compiled.exists()
+    assert compiled.exists() or object_file.compiler() == "shipped"
     run(program)
 
 

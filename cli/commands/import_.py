@@ -1,0 +1,161 @@
+"""`duhamel import`: a robot as a model file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from ..arguments import TOML_SUFFIX, beside, file_argument, output_option
+from ..failures import errors_in_one_line, one_line, unwritten
+
+if TYPE_CHECKING:
+    from ...robots import FlexibleLink
+
+ROBOT_SUFFIXES = ".urdf", ".xml"
+RobotFile = Annotated[
+    Path, file_argument("ROBOT", "A robot in URDF, or in MJCF with mujoco.", *ROBOT_SUFFIXES)
+]
+Output = Annotated[Path | None, output_option("MODEL.toml", "Beside the robot unless given.")]
+Base = Annotated[
+    Literal["fixed", "free"],
+    typer.Option(metavar="fixed|free", help="Whether the root link stands on the ground."),
+]
+Servo = Annotated[
+    tuple[float, float] | None,
+    typer.Option(
+        metavar="KP KD",
+        help="Servos at all joints, whose references are inputs named as the joints; in "
+        "N m/rad and N m s/rad, of slides N/m and N s/m.",
+    ),
+]
+ServoOf = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT=KP,KD", help="The same at one joint, where it differs."),
+]
+Flexible = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="LINK=FILE.h5,JOINT=INTERFACE,...",
+        help="A superelement in place of a link, in its axes, and the interface of each joint.",
+    ),
+]
+State = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT=VALUE", help="A coordinate at the start, in rad or m."),
+]
+StopStiffness = Annotated[
+    float | None,
+    typer.Option(
+        metavar="NUMBER", help="Of all stops, in N m/rad or N/m; by the masses unless given."
+    ),
+]
+Packages = Annotated[
+    list[Path] | None,
+    typer.Option(
+        metavar="DIR", help="Where package://NAME/... is, beside the folders around the robot."
+    ),
+]
+EndTime = Annotated[float, typer.Option("--t-end", metavar="SECONDS", help="Of the simulation.")]
+Step = Annotated[
+    float, typer.Option(metavar="SECONDS", help="Of the simulation, unless links are flexible.")
+]
+GearRatio = Annotated[
+    float,
+    typer.Option(metavar="NUMBER", help="Of the rotors by which armatures of MJCF are modeled."),
+]
+
+
+def import_(
+    robot_file: RobotFile,
+    output: Output = None,
+    base: Base = "fixed",
+    servo: Servo = None,
+    servo_of: ServoOf = None,
+    flexible: Flexible = None,
+    state: State = None,
+    stop_stiffness: StopStiffness = None,
+    packages: Packages = None,
+    t_end: EndTime = 1.0,
+    step: Step = 5e-4,
+    gear_ratio: GearRatio = 100.0,
+) -> None:
+    """Write the model file of a robot in URDF or MJCF: links, joints, limits, friction, servos."""
+    from ... import files, robots
+
+    target = output or beside(robot_file, TOML_SUFFIX)
+    try:
+        options = robots.ImportOptions(
+            base=base,
+            servo=servo,
+            servos=dict(map(_gains_of_joint, servo_of or ())),
+            flexible=dict(map(_flexible_link, flexible or ())),
+            state=dict(map(_start_of_joint, state or ())),
+            stop_stiffness=stop_stiffness,
+            packages=packages or (),
+            t_end=t_end,
+            step=step,
+            gear_ratio=gear_ratio,
+        )
+    except ValueError as error:
+        key, _, said = str(error).partition(": ")
+        raise typer.BadParameter(f"--{key.replace('_', '-')}: {said}") from error
+    with errors_in_one_line(robots, files), unwritten(target):
+        imported = robots.import_robot(robot_file, target, options)
+    for remark in imported.remarks:
+        typer.echo(one_line(f"not taken, or otherwise: {remark}"))
+    counts = {
+        "body": imported.bodies,
+        "joint": imported.joints,
+        "stop": imported.stops,
+        "motor": imported.motors,
+    }
+    counted = ", ".join(f"{n} {_plural(word, n)}" for word, n in counts.items())
+    typer.echo(one_line(f"{target}: {counted}; {imported.mass:.4g} kg"))
+
+
+def _flexible_link(text: str) -> "tuple[str, FlexibleLink]":
+    """A link and its superelement, of LINK=FILE.h5,JOINT=INTERFACE,..."""
+    from ...robots import FlexibleLink
+
+    # The file stands between the first equals sign and the first comma.
+    first, *others = text.split(",")
+    link, file = _pair("--flexible", first, "LINK=FILE.h5")
+    interfaces = dict(_pair("--flexible", other, "JOINT=INTERFACE") for other in others)
+    return link, FlexibleLink(Path(file), interfaces)
+
+
+def _start_of_joint(text: str) -> tuple[str, float]:
+    joint, value = _pair("--state", text, "JOINT=VALUE")
+    return joint, _number("--state", joint, value)
+
+
+def _gains_of_joint(text: str) -> tuple[str, tuple[float, float]]:
+    joint, values = _pair("--servo-of", text, "JOINT=KP,KD")
+    stiffness, comma, damping = values.partition(",")
+    if not comma:
+        raise typer.BadParameter(f"--servo-of: expected JOINT=KP,KD, got {text!r}")
+    return joint, (
+        _number("--servo-of", joint, stiffness),
+        _number("--servo-of", joint, damping),
+    )
+
+
+def _pair(option: str, text: str, form: str) -> tuple[str, str]:
+    # Names may hold an equals sign; values, numbers and interfaces, do not.
+    name, equals, value = text.rpartition("=")
+    if not (name and equals and value):
+        raise typer.BadParameter(f"{option}: expected {form}, got {text!r}")
+    return name, value
+
+
+def _number(option: str, joint: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise typer.BadParameter(f"{option}: {joint}: expected a number, got {text!r}") from error
+
+
+def _plural(word: str, n: int) -> str:
+    if n == 1:
+        return word
+    return f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"

@@ -1,0 +1,28 @@
+"""Compile the time step for the machines of wheels, into solver/compiler/shipped.
+
+    python tools/make_shipped_steps.py
+
+Wheels take these files along, so that a first run compiles nothing. Each has the key of its
+sources before it: where they have changed since, it is not used.
+"""
+
+from duhamel.solver import step as step  # all compiled functions are registered now
+from duhamel.solver.compiler.object_file import (
+    SHIPPED_FOLDER,
+    key,
+    object_files,
+    shipped_name,
+    with_digest,
+)
+from duhamel.solver.compiler.targets import SHIPPED_TARGETS
+
+
+def main() -> None:
+    SHIPPED_FOLDER.mkdir(exist_ok=True)
+    for target, code in object_files(list(SHIPPED_TARGETS)).items():
+        content = key(target).encode() + b"\n" + with_digest(code)
+        SHIPPED_FOLDER.joinpath(shipped_name(target)).write_bytes(content)
+
+
+if __name__ == "__main__":
+    main()
