@@ -19,7 +19,7 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
-from coupling.comparison import Identified, identified, motions, substructured
+from coupling.comparison import OfSuperelement, identified, motions, substructured
 from coupling.hammer import ALL, NOISE, SIX_AT_EACH, Errors, HammerTest, hammer_test
 from coupling.parts import Array
 from duhamel.solver import ValidityWarning
@@ -52,7 +52,7 @@ def of_bands(values: Array, digits: int) -> str:
     return ", ".join(f"{value:.{digits}f}" for value in values)
 
 
-def compare(title: str, test: HammerTest) -> Identified:
+def compare(title: str, test: HammerTest) -> OfSuperelement:
     """A row."""
     ours, theirs = identified(test), substructured(test)
     off = 100.0 * np.abs(ours.of_assembly)

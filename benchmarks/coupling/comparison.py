@@ -17,10 +17,20 @@ from .hammer import HammerTest, truth
 from .parts import INTERFACES, Array, ComplexArray, FreePart, Motion, plate
 from .substructuring import coupled, virtual_points
 
-BANDS = (20.0, 1000.0), (1000.0, 3000.0), (3000.0, 4500.0)
-"""[Hz]; the last ends where identified parts claim to be right"""
-LINES = np.arange(20.0, 4500.0, 4.0)
-"""[Hz] at which responses are compared, all of them lines of the test"""
+BANDS = (20.0, 1000.0), (1000.0, 3000.0), (3000.0, np.inf)
+"""[Hz]; the last ends with the lines that are compared"""
+HIGHEST = 4500.0
+"""[Hz] up to which identified parts claim to be right"""
+HIGHEST_OF_TEST = 5000.0
+"""[Hz]"""
+
+
+def lines_to(highest: float) -> Array:
+    """Frequencies [Hz] at which responses are compared, all of them lines of the test."""
+    return np.arange(20.0, highest, 4.0)
+
+
+LINES = lines_to(HIGHEST)
 SMALL = 0.02
 """of a response, over the mean of its driving points: valleys below it are noise in dB"""
 MODES, MODES_OF_ASSEMBLY = 9, 10
@@ -40,16 +50,20 @@ class Differences:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified(Differences):
+class OfSuperelement(Differences):
     """Largest errors of frequencies and damping of A, relative; of frequencies of the assembly,
-    (10,); the misfit of the identification.
+    (10,).
     """
 
     frequencies: float
     damping: float
     of_assembly: Array
-    misfit: float
     element: Superelement
+
+    @property
+    def misfit(self) -> float:
+        """Of the identification, for a part that is known from its test alone."""
+        return self.element.kernel.error
 
 
 @dataclass(frozen=True)
@@ -63,22 +77,26 @@ class Motions:
     speed: float
 
 
-def identified(test: HammerTest) -> Identified:
+def identified(test: HammerTest) -> OfSuperelement:
     """Of the measured superelement, in a model with B."""
     with tempfile.TemporaryDirectory() as folder:
         element = preprocess.build(preprocess.read_body(test.write(Path(folder))))
+    return of_superelement(element)
+
+
+def of_superelement(element: Superelement, highest: float = HIGHEST) -> OfSuperelement:
+    """Of whatever stands for A, in a model with B, up to a frequency [Hz]."""
     modes, true = element.modes, truth().part.element.modes
     assert modes is not None
     assert true is not None
     nearest = np.abs(modes.omega[:, None] - true.omega[:MODES]).argmin(axis=0)
     found = assembly.frequencies(element, MODES_OF_ASSEMBLY)
-    return Identified(
-        _relative(_accelerances(FreePart(element), INTERFACES), true_interfaces()),
-        _decibels(assembly.responses(element, LINES), true_assembly()),
+    return OfSuperelement(
+        _relative(_accelerances(FreePart(element), INTERFACES, highest), true_interfaces(highest)),
+        _decibels(assembly.responses(element, lines_to(highest)), true_assembly(highest)),
         float(np.abs(modes.omega[nearest] / true.omega[:MODES] - 1.0).max()),
         float(np.abs(modes.zeta[nearest] / true.zeta[:MODES] - 1.0).max()),
         found / true_frequencies() - 1.0,
-        element.kernel.error,
         element,
     )
 
@@ -106,13 +124,13 @@ def motions(element: Superelement) -> Motions:
 
 
 @cache
-def true_interfaces() -> ComplexArray:
-    return _accelerances(truth().part, INTERFACES)
+def true_interfaces(highest: float = HIGHEST) -> ComplexArray:
+    return _accelerances(truth().part, INTERFACES, highest)
 
 
 @cache
-def true_assembly() -> ComplexArray:
-    return assembly.responses(truth().part.element, LINES)
+def true_assembly(highest: float = HIGHEST) -> ComplexArray:
+    return assembly.responses(truth().part.element, lines_to(highest))
 
 
 @cache
@@ -130,16 +148,16 @@ def true_struck() -> assembly.Blow:
     return assembly.struck(truth().part.element)
 
 
-def _accelerances(part: FreePart, names: tuple[str, ...]) -> ComplexArray:
+def _accelerances(part: FreePart, names: tuple[str, ...], highest: float = HIGHEST) -> ComplexArray:
     own = Motion.all_of([part.motion(name) for name in names])
-    return part.accelerance(2j * np.pi * LINES, own, own)
+    return part.accelerance(2j * np.pi * lines_to(highest), own, own)
 
 
 def _relative(Y: ComplexArray, true: ComplexArray) -> Array:
     """Rms by bands, each coordinate in the size of its driving point."""
     size = np.sqrt(np.abs(np.einsum("kaa->ka", true)).mean(axis=0))
     parts = [np.abs(x / np.outer(size, size)) ** 2 for x in (Y - true, true)]
-    off, whole = ([part[k].sum() for k in _in_bands()] for part in parts)
+    off, whole = ([part[k].sum() for k in _in_bands(len(Y))] for part in parts)
     return np.sqrt(np.divide(off, whole))
 
 
@@ -148,8 +166,10 @@ def _decibels(Y: ComplexArray, true: ComplexArray) -> Array:
     driving = np.sqrt(np.abs(np.einsum("kaa->ka", true)))
     counts = np.abs(true) > SMALL * driving[:, :, None] * driving[:, None, :]
     off = np.abs(20.0 * np.log10(np.abs(Y) / np.abs(true)))
-    return np.array([off[k][counts[k]].mean() for k in _in_bands()])
+    return np.array([off[k][counts[k]].mean() for k in _in_bands(len(Y))])
 
 
-def _in_bands() -> list[NDArray[np.bool_]]:
-    return [(low <= LINES) & (high > LINES) for low, high in BANDS]
+def _in_bands(count: int) -> list[NDArray[np.bool_]]:
+    """Of the first lines."""
+    f = lines_to(HIGHEST_OF_TEST)[:count]
+    return [(low <= f) & (high > f) for low, high in BANDS]

@@ -25,6 +25,10 @@ DAMPED_APART = 20
 """modes, those up to twice the band"""
 DAMPING_OF_PLATE = 0.005
 INTERFACES = "foot", "top"
+LEG = 0.01
+"""[m] of plate, the thickness of both legs of A"""
+THICKER, SOFTER = 1.04, 202e9
+"""legs of a mesh that is made of drawings, over those of the part, and its modulus [Pa]"""
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 )
@@ -103,9 +107,7 @@ class Truth:
 @lru_cache(maxsize=1)
 def true_angle(places: tuple[tuple[str, tuple[float, float, float]], ...]) -> Truth:
     """A, and what its mesh does at places by name."""
-    angle = du.Part(angle_mesh(), STEEL, name="angle")
-    angle.interface("foot", du.plane(z=0.03) & du.box([0.26, 0.0, 0.03], [0.3, 0.05, 0.03]))
-    angle.interface("top", du.plane(x=0.025) & du.box([0.025, 0.0, 0.115], [0.025, 0.05, 0.15]))
+    angle = _angle(angle_mesh(), STEEL)
     for name, place in places:
         angle.interface(name, place)
     element = angle.superelement(step=STEP, duration=STEPS * STEP, method="modal")
@@ -121,6 +123,15 @@ def true_angle(places: tuple[tuple[str, tuple[float, float, float]], ...]) -> Tr
     )
 
 
+def wrong_angle() -> du.Part:
+    """A as a mesh has it that was made before the part: thicker legs, a softer steel."""
+    mesh = angle_mesh()
+    for axis in (0, 2):
+        leg = mesh.points[:, axis] <= LEG + 1e-9
+        mesh.points[leg, axis] *= THICKER
+    return _angle(mesh, du.Material(E=SOFTER, nu=STEEL.nu, rho=STEEL.rho))
+
+
 @lru_cache(maxsize=1)
 def plate() -> FreePart:
     """B: its face `root` lies on the foot of A, its corner `tip` is free."""
@@ -129,6 +140,13 @@ def plate() -> FreePart:
     part.interface("tip", (0.48, 0.07, 0.042))
     part.damping(modal=DAMPING_OF_PLATE)
     return FreePart(part.superelement(step=STEP, duration=STEPS * STEP, method="modal"))
+
+
+def _angle(mesh: meshio.Mesh, material: du.Material) -> du.Part:
+    angle = du.Part(mesh, material, name="angle")
+    angle.interface("foot", du.plane(z=0.03) & du.box([0.26, 0.0, 0.03], [0.3, 0.05, 0.03]))
+    angle.interface("top", du.plane(x=0.025) & du.box([0.025, 0.0, 0.115], [0.025, 0.05, 0.15]))
+    return angle
 
 
 def _with_modes(element: Superelement, names: tuple[str, ...], zeta: Array) -> Superelement:
