@@ -707,6 +707,11 @@ class FmuMotion(Recorded, group="fmus", owner="fmu"):
 
     Each has the unit of the loads or motors that follow it. docs/how-to/controller-fmu.md has an
     example.
+
+    Examples
+    --------
+    >>> FmuMotion.quantities[0].source
+    'fmu_value'
     """
 
     _of_inputs: dict[str, Array] = quantity(

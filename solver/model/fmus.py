@@ -83,6 +83,8 @@ class FMU(Entry):
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from duhamel.solver import ModelError
     >>> try:
     ...     FMU("drive", "no.fmu", {"angle": "joints/pivot/angle"}, {"torque": "tau"})
     ... except ModelError as error:
