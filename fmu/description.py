@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -102,7 +103,7 @@ def _description_3(experiment: Experiment, variables: Sequence[Variable]) -> Ele
         if _has_unit(one):
             element.set("unit", one.unit)
         if one.start is not None:
-            element.set("start", repr(one.start))
+            element.set("start", _double(one.start))
     structure = SubElement(root, "ModelStructure")
     for tag in ("Output", "InitialUnknown"):
         for reference, one in enumerate(variables):
@@ -143,7 +144,7 @@ def _description_2(experiment: Experiment, variables: Sequence[Variable]) -> Ele
         if _has_unit(one):
             number.set("unit", one.unit)
         if one.start is not None:
-            number.set("start", repr(one.start))
+            number.set("start", _double(one.start))
         if one.is_output:
             outputs.append(len(group))
     structure = SubElement(root, "ModelStructure")
@@ -169,6 +170,11 @@ def _attributes(one: Variable, reference: int) -> dict[str, str]:
     elif one.kind is VariableKind.PARAMETER:
         found["initial"] = "exact"
     return found
+
+
+def _double(value: float) -> str:
+    """A number as XML has it: a motor without limits has infinite ones."""
+    return repr(value) if isfinite(value) else ("INF" if value > 0.0 else "-INF")
 
 
 def _has_unit(one: Variable) -> bool:

@@ -120,6 +120,18 @@ def test_a_changed_gain_is_that_of_the_motor(exported, slave):
     assert not np.array_equal(found, run(slave(plain.path), inputs, h))
 
 
+@VERSIONS
+def test_a_motor_without_limits_has_infinite_ones(version, exported, slave):
+    (motor,) = servo().motors
+    model = replace(servo(), motors=(replace(motor, limit=None, tracking_time=None),))
+    made = exported(model, version=version, parameters=["motors/*"])
+    assert validate_fmu(str(made.path)) == []
+    one = slave(made.path)
+    assert one.get_number(one.numbers["motors.'elbow servo'.upper_limit"]) == np.inf
+    one.set_named({"motors.'elbow servo'.upper_limit": 5.0})
+    one.step(0.0, made.experiment.step)
+
+
 def test_what_follows_gains_and_stays_is_told(exported):
     (motor,) = servo().motors
     model = replace(servo(), motors=(replace(motor, tracking_time=None),))
