@@ -504,7 +504,7 @@ def units_of(quantity: Quantity) -> str:
 def _image(contents: Contents, notes: Mapping[str, Any], model: str, rows: int) -> bytes:
     """The bytes of a file without rows."""
     # HDF5 refuses a second file of the same name, such as that of a run in another thread.
-    name = f"image-{notes['run']}"
+    name = f"image-{notes.get('run', id(contents))}"
     with h5py.File(name, "w", driver="core", backing_store=False, track_order=True) as file:
         file.attrs.update(
             Conventions="CF-1.11",

@@ -300,7 +300,7 @@ def _finish(prepared: PreparedRun, progress: bool) -> Results:
     finally:
         writer.leave()
     results = read_back(writer, prepared.lowered.model)
-    _warn([*prepared.exchange.warnings(), *results.validity.brief()], stacklevel=5)
+    _warn([*prepared.exchange.warnings(), *results.validity.brief()], stacklevel=6)
     return results
 
 

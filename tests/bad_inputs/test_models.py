@@ -138,7 +138,8 @@ def test_every_table_of_a_model_file_is_in_a_document():
     """Else keys of a new table would go untried."""
     tables = {kind.__name__ for kind in _all_tables(MODEL_FILE)}
     tried = {kind.__name__ for document in DOCUMENTS.values() for kind in _tables_of(document)}
-    assert tables == tried
+    # An FMU needs a file that is one: tests/solver/test_fmu_errors.py tries its keys.
+    assert tables - {"FMU"} == tried
 
 
 def test_every_form_of_signal_law_and_shape_is_tried():
