@@ -17,11 +17,13 @@ PLACE_KINDS = {"position", "displacement", "elastic displacement"}
 UNFILTERED_LABEL = "unfiltered"
 # What is named BODY.NAME.
 ROLES_OF_BODIES = ("FRAME", "INTERFACE", "SENSOR", "PATTERN")
+# Quantities whose second name says what they are, as "hinge, angle".
+NAMED_QUANTITIES = ("coordinate", "fmu_input")
 
 
 def kind(found: Series) -> str:
     """ "angular velocity", "rate of angle", "torque"."""
-    if found.kind != "coordinate":
+    if found.kind not in NAMED_QUANTITIES:
         return words(found.kind, found.unit)
     name = found.names[1]
     if name.endswith("_rate"):
@@ -31,7 +33,7 @@ def kind(found: Series) -> str:
 
 def owner(results: Results, found: Series) -> str:
     """ "hub", "beam tip seen from hub rim"."""
-    if found.kind == "coordinate":
+    if found.kind in NAMED_QUANTITIES:
         return found.names[0]
     roles = KINDS_BY_NAME[found.kind].names
     names = [

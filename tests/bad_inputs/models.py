@@ -232,13 +232,36 @@ def pushed(**tables: Any) -> dict[str, Any]:
     return tomllib.loads(PUSH) | {"ground": far} | tables
 
 
+COUPLED = """
+[[motors]]
+name = "motor"
+joint = "pivot"
+coordinate = "angle"
+torque = {input = "tau"}
+
+[[fmus]]
+name = "drive"
+file = "drive.fmu"
+step = 2e-3
+inputs = {angle = "joints/pivot/angle", rate = "joints/pivot/angle_rate"}
+outputs = {torque = "tau"}
+parameters = {kp = 2.0}
+coupling = "slope"
+"""
+"""tables of a hub on a pivot, whose motor an FMU commands"""
 DOCUMENTS: dict[str, dict[str, Any]] = {
     "mechanism": tomllib.loads(MECHANISM),
     "steady": tomllib.loads(STEADY),
     "push": tomllib.loads(PUSH),
+    "coupled": pushed(
+        joints=[{"name": "pivot", "type": "revolute", "between": ["ground", "hub"], **AXIS}],
+        **tomllib.loads(COUPLED),
+    ),
 }
 KINDS = {
-    f"{kind} joint": pushed(joints=[{"type": kind, "between": ["ground", "hub"]} | keys])
+    f"{kind} joint": pushed(
+        joints=[{"name": "knee", "type": kind, "between": ["ground", "hub"]} | keys]
+    )
     for kind, keys in JOINTS.items()
 } | {f"{kind}": pushed(loads=[{"type": kind, "on": "hub"} | keys]) for kind, keys in LOADS.items()}
 """documents with one joint or one load, of each kind"""

@@ -54,6 +54,7 @@ def write_old(path, version):
     without |= {"second_order": 0} if version < 5 else {}
     without |= {"motors": 0, "couplers": 0, "sensors": 0} if version < 6 else {}
     without |= {"surfaces": 0} if version < 9 else {}
+    without |= {"fmus": 0} if version < 10 else {}
     held = make_contents(**without)
     kept = tuple(one for one in held.quantities if one.since <= version)
     held = contents.Contents(held.axes, kept, held.superelements)

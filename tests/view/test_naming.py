@@ -57,7 +57,7 @@ NAMES = {
     ("angular_momentum:z", "kg m²/s"): "angular momentum about z",
     ("newton_iterations", "1"): "Newton iterations",
     ("newton_residual", "1"): "Newton residual",
-    ("fmu_input:drive:tau", "N m"): "drive seen from tau, input by an FMU",
+    ("fmu_input:drive:tau", "N m"): "drive, tau",
     ("energy:kinetic", "J"): "kinetic energy",
     ("energy:balance", "J"): "energy balance",
 }
