@@ -9,6 +9,7 @@ import numpy as np
 
 from ..files.outputs import renamed_when_whole, require_no_input
 from ..solver.compiler.object_file import object_files
+from ..solver.compiler.targets import own_platform
 from ..solver.errors import about
 from ..solver.laws.user import UserLaw
 from ..solver.model.model import Model
@@ -18,7 +19,7 @@ from .archive import archive
 from .description import Experiment, description, terminals
 from .errors import FMUError
 from .image import image_of, token_of
-from .library import C_SOURCES, FMI_PLATFORMS, Parts, StepTimes, linked, own_platform, step_times
+from .library import C_SOURCES, FMI_PLATFORMS, Parts, StepTimes, linked, step_times
 from .naming import identifier
 from .parameters import kept_by_gains
 from .variables import Variable, VariableKind, variables

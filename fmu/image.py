@@ -20,7 +20,7 @@ import numpy as np
 
 from ..results.validity import CRITERIA
 from ..solver.arrays import Array
-from ..solver.compiler.object_file import key
+from ..solver.compiler.digests import key
 from ..solver.history.dyadic import Window
 from ..solver.output.branches import Branches
 from ..solver.output.passages import MOST_CREATED

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from ..solver.compiler.targets import own_platform
 from .errors import FMUError
 
 C_SOURCES = Path(__file__).with_name("c")
@@ -49,16 +50,6 @@ FMI_PLATFORMS = {
     ),
 }
 """by their names in FMI 3"""
-
-
-def own_platform() -> str:
-    """The platform of this machine."""
-    import platform
-
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(
-        platform.machine().lower(), platform.machine().lower()
-    )
-    return f"{machine}-{platform.system().lower()}"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Compile the time step for the machines of wheels, into solver/compiler/shipped.
+"""Compile the time step for the machines of wheels, into solver/compiler/shipped_steps.
 
     python tools/make_shipped_steps.py
 
@@ -7,13 +7,9 @@ sources before it: where they have changed since, it is not used.
 """
 
 from duhamel.solver import step as step  # all compiled functions are registered now
-from duhamel.solver.compiler.object_file import (
-    SHIPPED_FOLDER,
-    key,
-    object_files,
-    shipped_name,
-    with_digest,
-)
+from duhamel.solver.compiler.digests import key, with_digest
+from duhamel.solver.compiler.object_file import object_files
+from duhamel.solver.compiler.shipped import SHIPPED_FOLDER, shipped_name
 from duhamel.solver.compiler.targets import SHIPPED_TARGETS
 
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from ...superelement import Superelement
 from ..arrays import Array
-from ..compiler.object_file import compiler, processor
-from ..compiler.object_file import key as code_key
+from ..compiler.digests import key as code_key
+from ..compiler.digests import processor
+from ..compiler.object_file import compiler
 from ..errors import StateError
 from ..history.layout import Horizon
 from ..laws.law import LAW_KINDS

@@ -1,47 +1,36 @@
 """The machine code of the compiled functions: where it is kept, how it is found, made and loaded.
 
-An object file in the user's cache is named by the content of all that it depends on: the sources of
-the compiled functions and of the compiler, the layout of records, the versions of Python, numba and
-llvmlite, and the processor. So it serves all environments of a user, survives reinstallations, and
-is never stale. A file is code that runs with the rights of the user who loads it: `cache` reads
-none that somebody else owns or may write to.
+An object file in the user's cache is named by the content of all that it depends on (digests.py):
+it serves all environments of a user, survives reinstallations, and is never stale. A file is code
+that runs with the rights of the user who loads it: `cache` reads none that somebody else owns or
+may write to. Where there is none, that of the wheel is taken (shipped.py), and else one is built.
 
 In the environment, `DUHAMEL_CACHE` names another folder; `DUHAMEL_COMPILER=stock` compiles by
 numba's public interface alone, which takes minutes, and `DUHAMEL_COMPILER=quick` never does;
 `NUMBA_DISABLE_JIT=1` runs everything as Python.
 """
 
-import hashlib
 import os
-import platform
 import re
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from . import marks
 from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
-from .targets import COMPILED_TARGETS, HOST_TARGET, SHIPPED_TARGETS
+from .digests import checked_code, key, with_digest
+from .shipped import shipped_code
+from .targets import COMPILED_TARGETS, HOST_TARGET
 
-COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
-"""the files of this folder that machine code depends on"""
 MAX_OBJECT_FILES = 16
 """object files that stay in the cache, the newest ones"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
-SHIPPED_FOLDER = Path(__file__).with_name("shipped")
-"""object files that wheels have, of tools/make_shipped_steps.py; empty in a checkout"""
-FEATURES_OF_V3 = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
-OBJECT_DIGEST_BYTES = 32
-"""bytes at the end of a file: the SHA-256 of all before it"""
 
 _lock = threading.RLock()
 _engines: list[Any] = []
@@ -101,59 +90,6 @@ class BuildError(Exception):
     """`build` fails: numba's internals are not as it expects."""
 
 
-@cache
-def key(target: str = HOST_TARGET) -> str:
-    """A digest of all that the machine code for a target depends on (16 hexadecimal digits)."""
-    kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
-    sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER_FILES]
-    digest = hashlib.sha256()
-    # Sorted, so that the digest does not depend on the order of imports.
-    for source in sorted({*sources, *compiler}):
-        digest.update(source.read_bytes())
-    layouts = sorted(record.description() for record in marks.records())
-    digest.update(repr(sorted(map(repr, _constants()))).encode())
-    # Code that is shipped was made elsewhere: it is the same whatever is installed here.
-    versions = [] if target in SHIPPED_TARGETS else _versions()
-    digest.update(repr((layouts, versions, *_machine(target))).encode())
-    return digest.hexdigest()[:16]
-
-
-def _versions() -> list[Any]:
-    return [sys.version_info[:2], metadata.version("numba"), metadata.version("llvmlite")]
-
-
-def _machine(target: str) -> tuple[str, str]:
-    """The system and the processor of a target."""
-    chosen = COMPILED_TARGETS[target]
-    if chosen.triple and chosen.cpu:
-        return f"{chosen.triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu
-    import llvmlite.binding as llvm
-
-    triple = chosen.triple or llvm.get_process_triple()
-    return f"{triple}{' loaded' if chosen.is_loaded else ''}", chosen.cpu or processor()
-
-
-@cache
-def processor() -> str:
-    """The name of the processor, and a digest of what it can do."""
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features().flatten()
-    return f"{llvm.get_host_cpu_name()} {hashlib.sha256(features.encode()).hexdigest()[:8]}"
-
-
-def _constants() -> Iterator[tuple[str, Any]]:
-    """Numbers and arrays that compiled functions read, in whichever module they are written."""
-    for function in marks.COMPILED_FUNCTIONS:
-        for name in function.__code__.co_names:
-            value = function.__globals__.get(name)
-            if isinstance(value, (int, float, tuple)):
-                yield name, value
-            elif isinstance(value, np.ndarray):
-                yield name, value.tolist()
-
-
 # The cache
 
 
@@ -183,17 +119,6 @@ def _cached_code(target: str = HOST_TARGET) -> bytes | None:
     except OSError:
         return None
     return checked_code(content)
-
-
-def checked_code(content: bytes) -> bytes | None:
-    """The object file of a content, which its digest follows; None where they do not fit."""
-    code, digest = content[:-OBJECT_DIGEST_BYTES], content[-OBJECT_DIGEST_BYTES:]
-    return code if hashlib.sha256(code).digest() == digest else None
-
-
-def with_digest(code: bytes) -> bytes:
-    """An object file as it is kept."""
-    return code + hashlib.sha256(code).digest()
 
 
 def _new_code() -> bytes:
@@ -227,48 +152,6 @@ def _new_codes(targets: Sequence[str]) -> dict[str, bytes]:
 def _built(targets: Iterable[str]) -> dict[str, bytes]:
     names = list(targets)
     return dict(zip(names, _built_codes(names), strict=True)) if names else {}
-
-
-# The wheel
-
-
-def shipped_name(target: str) -> str:
-    """The file of a target in wheels."""
-    return f"step-{target.removeprefix('shipped-')}.o"
-
-
-@cache
-def shipped_code() -> bytes | None:
-    """The object file that the wheel has for this machine; None where it has none that fits.
-
-    It fits where it was made of these sources, for this system, and the processor has what it uses.
-    """
-    target = f"shipped-{_platform()}"
-    try:
-        content = SHIPPED_FOLDER.joinpath(shipped_name(target)).read_bytes()
-    except OSError:
-        return None
-    # The key of its sources stands before it: a checkout may have changed them since.
-    own, _, rest = content.partition(b"\n")
-    if target not in SHIPPED_TARGETS or own != key(target).encode() or not _has_features(target):
-        return None
-    return checked_code(rest)
-
-
-def _platform() -> str:
-    """This machine, by its name in FMI."""
-    machine = platform.machine().lower()
-    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
-    return f"{processor}-{platform.system().lower()}"
-
-
-def _has_features(target: str) -> bool:
-    if COMPILED_TARGETS[target].cpu != "x86-64-v3":
-        return True
-    import llvmlite.binding as llvm
-
-    has = llvm.get_host_cpu_features()
-    return all(has.get(feature, False) for feature in FEATURES_OF_V3)
 
 
 # Building

@@ -1,5 +1,6 @@
 """Processors and systems that the time step is compiled for."""
 
+import platform
 from dataclasses import dataclass
 
 
@@ -36,3 +37,10 @@ COMPILED_TARGETS = {
     **SHIPPED_TARGETS,
 }
 """by their platforms in FMI 3.0; v2: for x86-64 processors without AVX2 and FMA"""
+
+
+def own_platform() -> str:
+    """This machine, as FMI 3.0 names it."""
+    machine = platform.machine().lower()
+    processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    return f"{processor}-{platform.system().lower()}"

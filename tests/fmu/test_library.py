@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from duhamel import fmu, solver
 from duhamel.fmu import library
-from duhamel.fmu.library import FMI_PLATFORMS, own_platform
+from duhamel.fmu.library import FMI_PLATFORMS
 from duhamel.fmu.naming import base_units
 from duhamel.solver.compiler.object_file import object_files
-from duhamel.solver.compiler.targets import COMPILED_TARGETS
+from duhamel.solver.compiler.targets import COMPILED_TARGETS, own_platform
 from typer.testing import CliRunner
 
 from .machines import box, rod, servo

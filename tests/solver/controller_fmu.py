@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from duhamel.fmu.library import FMI_PLATFORMS, compiler_of, own_platform
+from duhamel.fmu.library import FMI_PLATFORMS, compiler_of
+from duhamel.solver.compiler.targets import own_platform
 
 HERE = Path(__file__).parent
 HEADERS = HERE.parents[1] / "fmu/c/fmi"

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 from duhamel.solver.compiler import cache as cache_module
-from duhamel.solver.compiler import marks, object_file
+from duhamel.solver.compiler import digests, marks, object_file
 from duhamel.solver.step import newton, records, system
 from duhamel.solver.step.elimination import factorize
 
@@ -234,7 +234,7 @@ def test_the_newest_stock_folders_stay(cache, monkeypatch):
     monkeypatch.setitem(sys.modules, "duhamel.solver.compiler.stock", stock)
     monkeypatch.setattr("duhamel.solver.compiler.stock", stock, raising=False)
     object_file._load_stock()
-    own = f"stock-{object_file.key()}"
+    own = f"stock-{digests.key()}"
     assert given == [cache / own]
     assert sorted(path.name for path in cache.iterdir()) == sorted(["stock-3", own])
 
@@ -294,13 +294,13 @@ def test_targets_that_are_missing_are_made_together(cache, monkeypatch):
     assert object_file.object_files(second) == {target: target.encode() for target in second}
     assert object_file.object_files(second)["aarch64-linux"] == b"aarch64-linux"
     assert asked == [first, ["aarch64-linux", "x86_64-windows"]]
-    assert len({object_file.key(target) for target in [*second, "host"]}) == 4
+    assert len({digests.key(target) for target in [*second, "host"]}) == 4
 
 
 def test_the_key_is_of_the_layout_of_records_and_of_constants(monkeypatch):
     def key():
-        object_file.key.cache_clear()
-        return object_file.key()
+        digests.key.cache_clear()
+        return digests.key()
 
     before = key()
     assert key() == before
@@ -330,10 +330,10 @@ del numba.core.codegen.JITCodeLibrary
 CHANGED = """
 import sys
 from pathlib import Path
-from duhamel.solver.compiler import marks, object_file, stock
+from duhamel.solver.compiler import marks, shipped, stock
 from duhamel.solver.step.elimination import factorize
 
-object_file.SHIPPED_FOLDER = Path("nowhere")
+shipped.SHIPPED_FOLDER = Path("nowhere")
 
 def bind(folder):
     (folder / "kept.nbi").touch()

@@ -6,18 +6,19 @@ import subprocess
 import sys
 
 import pytest
-from duhamel.solver.compiler import object_file
-from duhamel.solver.compiler.object_file import key, shipped_name, with_digest
-from duhamel.solver.compiler.targets import SHIPPED_TARGETS
+from duhamel.solver.compiler import digests, object_file, shipped
+from duhamel.solver.compiler.digests import key, with_digest
+from duhamel.solver.compiler.shipped import shipped_name
+from duhamel.solver.compiler.targets import SHIPPED_TARGETS, own_platform
 
 CODE = b"an object file"
-OWN = f"shipped-{object_file._platform()}"
+OWN = f"shipped-{own_platform()}"
 
 
 @pytest.fixture
-def shipped(tmp_path, monkeypatch):
+def ship(tmp_path, monkeypatch):
     """Writes the file of this machine, after nothing was kept or shipped."""
-    monkeypatch.setattr(object_file, "SHIPPED_FOLDER", tmp_path)
+    monkeypatch.setattr(shipped, "SHIPPED_FOLDER", tmp_path)
     monkeypatch.setenv("DUHAMEL_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("DUHAMEL_COMPILER", "")
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
@@ -26,20 +27,20 @@ def shipped(tmp_path, monkeypatch):
     def write(content=None):
         whole = key(OWN).encode() + b"\n" + with_digest(CODE)
         (tmp_path / shipped_name(OWN)).write_bytes(whole if content is None else content)
-        object_file.shipped_code.cache_clear()
+        shipped.shipped_code.cache_clear()
 
     yield write
-    object_file.shipped_code.cache_clear()
+    shipped.shipped_code.cache_clear()
 
 
-def test_what_fits_is_used_and_nothing_is_built(shipped):
-    shipped()
+def test_what_fits_is_used_and_nothing_is_built(ship):
+    ship()
     assert object_file._quick_code(required=False) == CODE
     assert object_file.compiler() == "shipped"
 
 
-def test_what_is_kept_comes_first(shipped):
-    shipped()
+def test_what_is_kept_comes_first(ship):
+    ship()
     object_file._new_code()
     assert object_file._quick_code(required=False) == b"built"
     assert object_file.compiler() == "quick"
@@ -55,20 +56,20 @@ def test_what_is_kept_comes_first(shipped):
     ],
     ids=["empty", "other sources", "cut", "damaged"],
 )
-def test_what_does_not_fit_is_built_anew(shipped, content):
-    shipped(content)
+def test_what_does_not_fit_is_built_anew(ship, content):
+    ship(content)
     assert object_file._quick_code(required=False) == b"built"
     assert object_file.compiler() == "quick"
 
 
-def test_a_processor_without_its_instructions_builds_its_own(shipped, monkeypatch):
-    monkeypatch.setattr(object_file, "_has_features", lambda _: False)
-    shipped()
+def test_a_processor_without_its_instructions_builds_its_own(ship, monkeypatch):
+    monkeypatch.setattr(shipped, "_has_features", lambda _: False)
+    ship()
     assert object_file._quick_code(required=False) == b"built"
 
 
-def test_who_asks_for_a_compiler_gets_it(shipped, monkeypatch):
-    shipped()
+def test_who_asks_for_a_compiler_gets_it(ship, monkeypatch):
+    ship()
     monkeypatch.setenv("DUHAMEL_COMPILER", "quick")
     assert object_file._quick_code(required=True) == b"built"
     assert object_file.compiler() == "quick"
@@ -76,7 +77,7 @@ def test_who_asks_for_a_compiler_gets_it(shipped, monkeypatch):
 
 def test_keys_of_shipped_code_do_not_depend_on_what_is_installed(monkeypatch):
     before = {target: key(target) for target in SHIPPED_TARGETS}
-    monkeypatch.setattr(object_file, "_versions", lambda: ["others"])
+    monkeypatch.setattr(digests, "_versions", lambda: ["others"])
     key.cache_clear()
     try:
         assert {target: key(target) for target in SHIPPED_TARGETS} == before
@@ -89,9 +90,9 @@ PROGRAM = """
 import json, sys
 from pathlib import Path
 from duhamel.solver import Force, Model, RigidBody, Settings, Steps, simulate
-from duhamel.solver.compiler import object_file
+from duhamel.solver.compiler import object_file, shipped
 
-object_file.SHIPPED_FOLDER = Path(sys.argv[1])
+shipped.SHIPPED_FOLDER = Path(sys.argv[1])
 push = Force("ball", [1.0, 0.0, 0.5], Steps([0.0], [2.0]))
 model = Model({"ball": RigidBody(1.0, [0.1, 0.2, 0.25])}, loads=[push],
               settings=Settings(t_end=1.0, step=0.01))
