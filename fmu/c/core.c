@@ -174,10 +174,9 @@ int core_start(Core *core) {
     core->head->mode = STEPPING;
     /* One step that does not count: code and data are in the caches when the first one is due. */
     void *state = NULL;
-    if (!core_get_state(core, &state)) {
-        core_step(core, 1);
-        memcpy(core->head, state, core_state_size(core));
-    }
+    if (core_get_state(core, &state)) return 1;
+    core_step(core, 1);
+    memcpy(core->head, state, core_state_size(core));
     free(state);
     return 0;
 }
