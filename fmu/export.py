@@ -118,14 +118,14 @@ def export_fmu(
         image = image_of(stepper, chosen)
     notes += tuple(kept_by_gains(stepper.lowered, parameters))
     name = Path(model.path).stem if model.path else target.stem
-    h = stepper.lowered.h
+    h = stepper.lowered.longest_step
     experiment = Experiment(
         name=name,
         identifier=identifier(name),
         token=token_of(image),
         step=h,
         communication=communication or h,
-        stop=stepper.lowered.n_steps * h,
+        stop=stepper.lowered.n_steps * stepper.lowered.h,
     )
     parts = _parts(tuple(platforms) or (own_platform(),), cpu, experiment, image)
     libraries = {one.name: linked(one) for one in parts}
@@ -160,8 +160,6 @@ def _check_options(platforms: Sequence[str], version: int, cpu: str) -> None:
 
 def _stepper(model: Model, communication: float | None) -> tuple[Stepper, tuple[str, ...]]:
     """A model before its first step, with steps that fit the communication step, and notes."""
-    if model.settings.contact_step is not None:
-        raise FMUError("simulation: contact_step: an FMU takes steps of one size")
     if model.fmus:
         raise FMUError(f"{model.fmus[0].owner}: an FMU cannot run another one")
     stepper = Stepper(model, ())
@@ -170,14 +168,16 @@ def _stepper(model: Model, communication: float | None) -> tuple[Stepper, tuple[
         if not communication > 0.0 or not np.isfinite(communication):
             raise FMUError(f"communication: expected a time above 0 s, got {communication:g}")
         # Rounded up: the internal step must not be longer than that of the model.
-        n = max(1, int(np.ceil(communication / stepper.lowered.h - STEP_ROUNDING)))
+        own, ratio = stepper.lowered.longest_step, stepper.lowered.ratio
+        n = max(1, int(np.ceil(communication / own - STEP_ROUNDING)))
         step = communication / n
-        if step != stepper.lowered.h:
+        if step != own:
             notes.append(
                 f"the internal step is {step:.6g} s, 1/{n} of the communication step, not the "
-                f"{stepper.lowered.h:.6g} s of the model"
+                f"{own:.6g} s of the model"
             )
-            model = model.with_settings(step=step)
+            contact_step = step / ratio if ratio > 1 else None
+            model = model.with_settings(step=step, contact_step=contact_step)
             stepper = Stepper(model, ())
     kernels = stepper.lowered.system.elastic.kernels
     # The C code has no FFT; the sum is the same to rounding.

@@ -24,6 +24,7 @@ from ..solver.compiler.digests import key
 from ..solver.history.dyadic import Window
 from ..solver.output.branches import Branches
 from ..solver.output.passages import MOST_CREATED
+from ..solver.phases import Corners
 from ..solver.signals.curves import Input
 from ..solver.simulation import signals
 from ..solver.stepper import Stepper
@@ -50,6 +51,8 @@ def image_of(stepper: Stepper, variables: Sequence[Variable]) -> bytes:
     live = ("load", "drive", "motor", "row")
     words = {
         "run": segments.add(stepper.run, ("state", "work", "output")),
+        # Arrays of both sizes of steps are one where the runs share them.
+        "flight": segments.add(stepper.flight or stepper.run, ("state", "work", "output")),
         "inputs": segments.add(stepper.inputs, live),
         "no_step": segments.add(stepper.first, live),
         # Rows that were left out are those of the model with all its constraints.
@@ -78,6 +81,7 @@ def image_of(stepper: Stepper, variables: Sequence[Variable]) -> bytes:
             ]
         ),
         "piece_branches": Branches(stepper.lowered).rows,
+        "piece_short": Corners(stepper.lowered).refused(),
         "piece_removed": _index(removed.rows),
         "piece_removed_limits": removed.limits,
     }
@@ -89,6 +93,10 @@ def _words(stepper: Stepper, words: dict[str, int]) -> dict[str, float]:
     of_run = {name: words["run"] + first for name, (first, _) in type(stepper.run).layout.items()}
     couplings, _ = type(stepper.run.system).layout["couplings"]
     return {
+        "word_of_flight": words["flight"],
+        "word_of_flying_system": words["flight"] + of_run["system"] - words["run"],
+        "word_of_system": of_run["system"],
+        "word_of_state": of_run["state"],
         "word_of_work": of_run["work"],
         "word_of_couplings": of_run["system"] + couplings,
         "word_of_inputs": words["inputs"],
@@ -101,6 +109,7 @@ def _places(stepper: Stepper, segments: Segments) -> dict[str, float]:
     """Where the arrays are that the C code reads and sets itself."""
     state, work = stepper.run.state, stepper.run.work
     arrays = {
+        "in_flight": state.in_flight,
         "left": state.extremes.left,
         "passed": state.contacts.passed,
         "n_events": state.contacts.n_events,
@@ -138,8 +147,9 @@ def _limits(stepper: Stepper, has_signals: bool) -> dict[str, float]:
     return {
         # Kernels were cut at the end of the model.
         "n_steps": lowered.n_steps if has_signals or has_kernels else 0,
+        "ratio": lowered.ratio,
         "span": Window(lowered.system.elastic).span if has_kernels else 0,
-        "step": float(lowered.h),
+        "step": float(lowered.longest_step),
         "tolerance": float(lowered.model.settings.tolerance),
         "end": float(lowered.n_steps * lowered.h),
         "most_created": float(MOST_CREATED),

@@ -13,13 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from .arrays import Array
+from .arrays import Array, Index
 from .checkpoint.carried import Arrays, Snapshot, carried
 from .lower.lower import LoweredModel
 from .signals.signal import Signal, corners_of, jumps_of
-from .start.initial import modes_of
 from .step.loop import OTHER_SIZE, advance, is_contact_near
-from .step.system import Inputs, Output, Run, State, System, Workspace
+from .step.sizes import change_size
+from .step.system import Inputs, Output, Run, State, Workspace
 
 # Calls of Python for fewer steps would cost more than the steps.
 MIN_STEPS_AT_ONCE = 16
@@ -43,11 +43,7 @@ class Phases:
         """the step after which a long one was taken back"""
         self._before_flight: Snapshot | None = None
         """what was carried before the steps became long, until one was taken"""
-        sampled = [*lowered.load_signals, *lowered.motor_signals]
-        jumps = {time for signal in sampled for time in corners_of(signal)}
-        self._jumps = np.array(sorted(jumps), dtype=np.float64) / lowered.h
-        """corners of loads and motors, in short steps"""
-        self._pulses = _pulses(sampled, lowered)
+        self._corners = Corners(lowered)
 
     @cached_property
     def _live(self) -> Arrays:
@@ -67,7 +63,8 @@ class Phases:
         in_flight = int(steps > 0)
         if in_flight != self._state.in_flight[0]:
             self._before_flight = Snapshot.of(0, self._live) if in_flight else None
-            change_step(self._lowered, self._state, self._work, in_flight)
+            old, new = self._runs[1 - in_flight].system, self._runs[in_flight].system
+            change_size(old, new, self._state, self._work)
         if in_flight:
             return stride, min(steps, self._most[1])
         return 1, min(n, self._most[0])
@@ -109,16 +106,41 @@ class Phases:
         # theirs.
         if step % lowered.ratio or step == self._refused:
             return 0
+        flight = self._corners.steps_of_flight(step)
+        if flight and is_contact_near(
+            lowered.system, lowered.longest_step, self._state, self._work
+        ):
+            return 0
+        return flight
+
+
+class Corners:
+    """Corners of loads and motors, about which steps are short."""
+
+    def __init__(self, lowered: LoweredModel) -> None:
+        sampled = [*lowered.load_signals, *lowered.motor_signals]
+        corners = {time for signal in sampled for time in corners_of(signal)}
+        self._ratio, self._n_steps = lowered.ratio, lowered.n_steps
+        self.places: Array = np.array(sorted(corners), dtype=np.float64) / lowered.h
+        """in short steps"""
+        self._pulses = _pulses(sampled, lowered)
+
+    def steps_of_flight(self, step: int) -> int:
+        """Long steps that may follow a step, if no contact closes."""
         starts, ends = self._pulses
         if ((starts - 1.0 < step) & (step < ends + 1.0)).any():
             return 0
-        if is_contact_near(lowered.system, lowered.longest_step, self._state, self._work):
-            return 0
         # the samples about a jump, means over short steps, are those of short steps alone
-        ahead = self._jumps[self._jumps > step - 1.0]
+        ahead = self.places[self.places > step - 1.0]
         if not len(ahead):
-            return lowered.n_steps
-        return int(max((ahead[0] - 1.0 - step) / lowered.ratio + STEP_COUNT_ROUNDING, 0.0))
+            return self._n_steps
+        return int(max((ahead[0] - 1.0 - step) / self._ratio + STEP_COUNT_ROUNDING, 0.0))
+
+    def refused(self) -> Index:
+        """1 for each long step that short ones replace, wherever contacts are; 0 for all later."""
+        last = min(self.places.max(initial=0.0), float(self._n_steps))
+        n = int(last / self._ratio) + 2 if len(self.places) else 0
+        return np.array([self.steps_of_flight(k * self._ratio) == 0 for k in range(n)], dtype=int)
 
 
 def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
@@ -134,37 +156,6 @@ def _pulses(sampled: Sequence[Signal], lowered: LoweredModel) -> Array:
     # A span of few long steps would be sampled too coarsely for its area.
     near = [(a, b) for a, b in spans if b - a < CORNER_LONG_STEPS * lowered.longest_step]
     return np.array(near, dtype=np.float64).reshape(-1, 2).T / lowered.h
-
-
-def change_step(lowered: LoweredModel, state: State, work: Workspace, in_flight: int) -> None:
-    """Let a state go on with long steps (in_flight = 1) or short ones (0).
-
-    Positions, velocities and accelerations stay, and all loads. The pseudo-acceleration a, which
-    lags behind the acceleration by a part of the step, begins anew: that of a body as its
-    acceleration, with v + h (1/2 - alpha_f) (a - v') as its velocity, which the scheme changes by
-    the mean of the forces alone; that of a mode as the share of its acceleration that a step of the
-    new size keeps, so that modes which it does not resolve do not overshoot; that of what
-    interfaces move by terms of second order as its acceleration.
-    """
-    systems: tuple[System, System | None] = (lowered.system, lowered.flight)
-    old, new = systems[1 - in_flight], systems[in_flight]
-    assert old is not None
-    assert new is not None
-    bodies, modes, interfaces = state.bodies, state.modes, state.interfaces
-    bodies.v[:] += old.scheme.h * (0.5 - old.scheme.alpha_f) * (bodies.a - bodies.v_dot)
-    bodies.a[:] = bodies.v_dot
-    kept = new.scheme.inertia_ratio / new.elastic.modes.step_stiffness
-    modes.a[:] = modes.acceleration * kept
-    for e in range(len(new.elastic.body)):
-        own = slice(new.elastic.modes.range[e], new.elastic.modes.range[e + 1])
-        dofs = slice(new.elastic.dof[e], new.elastic.dof[e + 1])
-        phi = modes_of(lowered, e)
-        by_rates = interfaces.acceleration[dofs] - phi @ modes.acceleration[own]
-        interfaces.a[dofs] = phi @ modes.a[own] + (by_rates if new.elastic.second.r[e] else 0.0)
-    work.matrix.current[0] = 0
-    # Steps of another size have another compliance within the step.
-    work.surfaces.W_count[:] = 0
-    state.in_flight[0] = in_flight
 
 
 def _first(inputs: Inputs, n: int) -> Inputs:

@@ -115,6 +115,10 @@ class Simulator:
         path = None if results is None else Path(results)
         if path is not None:
             check_output(path, model)
+        # Inputs of one step at a time cannot be taken back.
+        if model.settings.contact_step is not None:
+            with about(model.path):
+                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
         stepper = Stepper(model, outputs)
         lowered, initial, run = stepper.lowered, stepper.initial, stepper.run
         state, output = run.state, run.output

@@ -19,16 +19,14 @@ class Stepper:
     """The records of a model, before its first step is prepared.
 
     The end of a step prepares the next one: `inputs` are the signals of one step, which `last` does
-    not follow with another; `first` prepares without a step. `ModelError` for a model that cannot
-    start, whose steps are of two sizes, and for an unknown output.
+    not follow with another; `first` prepares without a step. Of steps of two sizes none is
+    prepared, as the next one may be of the other: `flight` are then the records of long steps.
+    `ModelError` for a model that cannot start, and for an unknown output.
     """
 
     def __init__(self, model: Model, outputs: Sequence[str]) -> None:
         with about(model.path), one_blas_thread():
             lowered, source = lower_to_start(model)
-            # Inputs of one step at a time cannot be taken back.
-            if lowered.flight is not None:
-                raise ModelError("simulation: contact_step: a Simulator takes steps of one size")
             if source and lowered.system.elastic.kernels.lags.any():
                 raise ModelError("start: a Simulator continues a run only with recursive history")
             check_names(lowered, outputs)
@@ -42,12 +40,14 @@ class Stepper:
             work=self.initial.work,
             output=self.exchange.row,
         )
+        flight = self.exchange.lowered.flight
+        self.flight = None if flight is None else self.run.replace(system=flight)
         self.inputs = Inputs(
             load=np.zeros((1, len(lowered.load_signals))),
             drive=np.zeros((1, len(lowered.drives))),
             motor=np.zeros((1, len(lowered.motor_signals))),
             row=np.zeros(1, dtype=np.int64),
-            ahead=1,
+            ahead=int(flight is None),
         )
         self.last = self.inputs.replace(ahead=0)
         arrays = {

@@ -9,6 +9,10 @@
 
 /* The compiled time loop: results, then addresses and numbers as words. */
 void duhamel_solver_step_loop_advance(double *results, void *run, void *inputs);
+void duhamel_solver_step_loop_is_contact_near(double *results, void *system, double h, void *state,
+                                              void *work);
+void duhamel_solver_step_sizes_change_size(double *results, void *old, void *new, void *state,
+                                           void *work);
 void duhamel_solver_step_record_record(double *results, void *run, int64_t row);
 void duhamel_solver_step_watches_wrong_branch(double *results, void *couplings, const void *rows,
                                               int64_t n, void *work);
@@ -86,7 +90,12 @@ Core *core_new(const char *token, char message[MESSAGE_SIZE]) {
     core->memory[1] = malloc((size_t)bytes(core, PIECE_WORDS));
     /* Constant arrays are shared by all instances, but where parameters may change them. */
     core->memory[2] = n_parameters ? malloc(constant + ALIGNMENT) : NULL;
-    if (!core->memory[0] || !core->memory[1] || (n_parameters && !core->memory[2])) {
+    /* Long steps are taken back where a contact closes in them. */
+    const int has_flight = number(core, RATIO) > 1;
+    core->memory[3] = has_flight ? malloc((size_t)bytes(core, PIECE_LIVE)) : NULL;
+    core->before_flight = core->memory[3];
+    if (!core->memory[0] || !core->memory[1] || (n_parameters && !core->memory[2]) ||
+        (has_flight && !core->memory[3])) {
         snprintf(message, MESSAGE_SIZE, "out of memory");
         core_free(core);
         return NULL;
@@ -110,7 +119,7 @@ Core *core_new(const char *token, char message[MESSAGE_SIZE]) {
 
 void core_free(Core *core) {
     if (!core) return;
-    for (int i = 0; i < 3; i++) free(core->memory[i]);
+    for (int i = 0; i < 4; i++) free(core->memory[i]);
     free(core);
 }
 
@@ -150,6 +159,10 @@ int core_fails(Core *core, const char *format, ...) {
 
 double core_step_size(const Core *core) { return real(core, STEP); }
 
+static double shortest_step(const Core *core) {
+    return core_step_size(core) / (double)number(core, RATIO);
+}
+
 /* Steps are counted: a sum of their sizes would drift. */
 double core_time(const Core *core) {
     return core->head->start + (double)core->head->step * core_step_size(core);
@@ -163,14 +176,15 @@ int core_setup(Core *core, double start, double stop) {
     return 0;
 }
 
-static void advance(Core *core, int inputs, double results[2]) {
-    duhamel_solver_step_loop_advance(results, core->words, record(core, inputs));
+/* Takes the steps of the inputs, of one of the two sizes. */
+static void advance(Core *core, void *run, int inputs, double results[2]) {
+    duhamel_solver_step_loop_advance(results, run, record(core, inputs));
 }
 
 int core_start(Core *core) {
     double results[2];
     duhamel_solver_step_record_record(results, core->words, 0);
-    advance(core, WORD_OF_NO_STEP, results);
+    advance(core, core->words, WORD_OF_NO_STEP, results);
     core->head->mode = STEPPING;
     /* One step that does not count: code and data are in the caches when the first one is due. */
     void *state = NULL;
@@ -214,15 +228,14 @@ static void set_inputs(Core *core) {
         memcpy(core->live + at[i + 1], &core->inputs[at[i]], 8);
 }
 
-static int newton_fails(Core *core, double residual) {
+static int newton_fails(Core *core, int64_t step, double time, double residual) {
     const double *phi = live(core, PLACE_OF_PHI);
     const int64_t *compliant = (const int64_t *)(core->constant + number(core, PLACE_OF_COMPLIANT));
     int64_t worst = -1;
     for (int64_t i = 0; i < number(core, N_ROWS); i++)
         if (!compliant[i] && !(fabs(phi[i]) <= (worst < 0 ? 0.0 : fabs(phi[worst])))) worst = i;
     return core_fails(core, "Newton's method failed at t = %.9g s (step %lld): residual %.3g, "
-                      "tolerance %.3g%s%s", core_time(core) + core_step_size(core),
-                      (long long)core->head->step + 1, residual, real(core, TOLERANCE),
+                      "tolerance %.3g%s%s", time, (long long)step, residual, real(core, TOLERANCE),
                       worst < 0 ? "" : "; farthest open: ",
                       worst < 0 ? "" : name(core, PIECE_ROWS, worst));
 }
@@ -242,7 +255,7 @@ static int leaves_its_range(Core *core, double time) {
                 return core_fails(core, "%s touched for %lld steps at the shortest and has created "
                                   "energy until t = %.9g s: expected a step of %.2g s or less",
                                   name(core, PIECE_CONTACTS, c), (long long)shortest[c], time,
-                                  core_step_size(core) * (double)shortest[c] /
+                                  shortest_step(core) * (double)shortest[c] /
                                   real(core, GOOD_STEPS));
     const int64_t left = *(int64_t *)live(core, PLACE_OF_LEFT);
     if (left)
@@ -289,19 +302,67 @@ static void shift_window(Core *core) {
     *first += span;
 }
 
-int core_step(Core *core, int recorded) {
-    const int64_t step = core->head->step + 1;
-    const double time = core->head->start + (double)step * core_step_size(core);
-    double results[2];
+/* The step to a time in shortest steps, of one of the two sizes; results as those of `advance`. */
+static int take(Core *core, void *run, int64_t step, int recorded, double results[2]) {
     if (set_signals(core, step)) return 1;
-    set_inputs(core);
     *(int64_t *)live(core, PLACE_OF_N_EVENTS) = 0;
     *(int64_t *)live(core, PLACE_OF_ROW) = recorded ? 0 : -1;
-    advance(core, WORD_OF_INPUTS, results);
-    if (leaves_its_range(core, time)) return 1;
-    if (results[0] < 1.0) return newton_fails(core, results[1]);
-    core->head->step = step;
-    if (comes_apart(core, time)) return 1;
+    advance(core, run, WORD_OF_INPUTS, results);
+    return 0;
+}
+
+static double time_of(const Core *core, int64_t step) {
+    return core->head->start + (double)step * shortest_step(core);
+}
+
+/* Whether no contact is closed or may be after a long step from here, and no signal jumps in it. */
+static int may_fly(Core *core) {
+    const int64_t *is_short = piece(core, PIECE_SHORT);
+    if (core->head->step < words(core, PIECE_SHORT) && is_short[core->head->step]) return 0;
+    double is_near = 0.0;
+    duhamel_solver_step_loop_is_contact_near(&is_near, record(core, WORD_OF_SYSTEM),
+                                             core_step_size(core), record(core, WORD_OF_STATE),
+                                             record(core, WORD_OF_WORK));
+    return is_near == 0.0;
+}
+
+static void change_size(Core *core, int64_t in_flight) {
+    if (*(int64_t *)live(core, PLACE_OF_IN_FLIGHT) == in_flight) return;
+    double nothing;
+    duhamel_solver_step_sizes_change_size(
+        &nothing, record(core, in_flight ? WORD_OF_SYSTEM : WORD_OF_FLYING_SYSTEM),
+        record(core, in_flight ? WORD_OF_FLYING_SYSTEM : WORD_OF_SYSTEM),
+        record(core, WORD_OF_STATE), record(core, WORD_OF_WORK));
+}
+
+/* The long step from here, or all as it was: a contact may close in it. 1: it was taken. */
+static int fly(Core *core, int64_t end, int recorded, double results[2]) {
+    const size_t size = (size_t)bytes(core, PIECE_LIVE);
+    memcpy(core->before_flight, core->live, size);
+    change_size(core, 1);
+    if (take(core, record(core, WORD_OF_FLIGHT), end, recorded, results)) return 0;
+    if (results[0] >= 1.0) return 1;
+    memcpy(core->live, core->before_flight, size);
+    return 0;
+}
+
+int core_step(Core *core, int recorded) {
+    const int64_t ratio = number(core, RATIO), end = (core->head->step + 1) * ratio;
+    double results[2];
+    set_inputs(core);
+    if (ratio > 1 && may_fly(core) && fly(core, end, recorded, results)) {
+        if (leaves_its_range(core, time_of(core, end))) return 1;
+    } else {
+        if (ratio > 1) change_size(core, 0);
+        for (int64_t step = end - ratio + 1; step <= end; step++) {
+            if (take(core, core->words, step, recorded && step == end, results)) return 1;
+            if (leaves_its_range(core, time_of(core, step))) return 1;
+            if (results[0] < 1.0)
+                return newton_fails(core, step, time_of(core, step), results[1]);
+        }
+    }
+    core->head->step++;
+    if (comes_apart(core, core_time(core))) return 1;
     shift_window(core);
     return 0;
 }

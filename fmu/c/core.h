@@ -29,7 +29,7 @@ struct Core {
     double *inputs, *parameters;
     int64_t *words;
     Head *head;
-    void *memory[3];
+    void *memory[4], *before_flight;
     char token[65], message[MESSAGE_SIZE];
 };
 

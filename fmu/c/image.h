@@ -10,7 +10,7 @@ enum {
 };
 
 enum Piece {
-    PIECE_WORDS,           /* of Run, Inputs, Inputs without a step, rows that were left out */
+    PIECE_WORDS,           /* of Run, that of long steps, Inputs, those of no step, rows left out */
     PIECE_RELOCATIONS,     /* (word, segment, offset) of each address */
     PIECE_CONSTANT,        /* arrays that no step changes */
     PIECE_LIVE,            /* all others, before the first step is prepared */
@@ -20,6 +20,7 @@ enum Piece {
     PIECE_PARAMETERS,      /* place of each parameter in the constant arrays */
     PIECE_INPUTS,          /* (input, place in the live arrays) */
     PIECE_BRANCHES,        /* rows of joints that must stay on their branch */
+    PIECE_SHORT,           /* 1 of each long step that corners of signals forbid */
     PIECE_REMOVED,         /* redundant constraints that were left out */
     PIECE_REMOVED_LIMITS,  /* openings that they may have */
     PIECE_FRAMES,          /* the names of frames, by their places in the texts */
@@ -31,12 +32,13 @@ enum Piece {
 };
 
 enum Number {
+    WORD_OF_FLIGHT, WORD_OF_FLYING_SYSTEM, WORD_OF_SYSTEM, WORD_OF_STATE,
     WORD_OF_WORK, WORD_OF_COUPLINGS, WORD_OF_INPUTS, WORD_OF_NO_STEP, WORD_OF_REMOVED_ROWS,
-    PLACE_OF_LEFT, PLACE_OF_PASSED, PLACE_OF_N_EVENTS, PLACE_OF_ROW, PLACE_OF_CURRENT,
-    PLACE_OF_PHI, PLACE_OF_COMPLIANT, PLACE_OF_SHORTEST, PLACE_OF_SWITCHING, PLACE_OF_MOVED,
+    PLACE_OF_IN_FLIGHT, PLACE_OF_LEFT, PLACE_OF_PASSED, PLACE_OF_N_EVENTS, PLACE_OF_ROW,
+    PLACE_OF_CURRENT, PLACE_OF_PHI, PLACE_OF_COMPLIANT, PLACE_OF_SHORTEST, PLACE_OF_SWITCHING, PLACE_OF_MOVED,
     PLACE_OF_FIRST, PLACE_OF_P, PLACE_OF_U_AHEAD,
     N_INPUTS, N_ROWS, N_COUPLED_CONTACTS, N_CONTACTS, N_DOFS, N_PAST,
-    N_STEPS, SPAN, STEP, TOLERANCE, END, MOST_CREATED, FEW_STEPS, GOOD_STEPS,
+    N_STEPS, RATIO, SPAN, STEP, TOLERANCE, END, MOST_CREATED, FEW_STEPS, GOOD_STEPS,
     N_NUMBERS
 };
 #endif

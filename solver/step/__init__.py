@@ -4,5 +4,6 @@ Whoever imports one of these modules has imported all: machine code is made of a
 """
 
 from . import loop as loop
+from . import sizes as sizes
 from . import surface_rest as surface_rest
 from . import watches as watches

@@ -43,7 +43,7 @@ def rotor(**more):
     return m.model(settings(0.08, 1e-4, **more))
 
 
-def block(**more):
+def block(height=1e-5, speed=0.2, **more):
     """An elastic block that falls on a plane with its lower surface, and slides with friction."""
     m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
     side = np.linspace(-0.004, 0.004, 6)
@@ -54,12 +54,17 @@ def block(**more):
     body = m.add(
         part.superelement(step=1e-6, duration=1e-4, band=2.5e5),
         name="block",
-        position=[0.0, 0.0, 0.00401],
-        velocity=[0.1, 0.0, -0.2],
+        position=[0.0, 0.0, 0.004 + height],
+        velocity=[0.1, 0.0, -speed],
     )
     m.add(
         du.contacts.surface(
-            body["foot"], m.ground, shape="plane", axis="z", friction=0.2, name="floor"
+            body["foot"],
+            m.ground.frame("floor", [0.0, 0.0, 0.0]),
+            shape="plane",
+            axis="z",
+            friction=0.2,
+            name="floor",
         )
     )
     m.add(du.loads.Force(body["top"], [1.0, 0.0, 0.3], du.signals.Input("u")))
@@ -88,11 +93,12 @@ def box(**more):
     corners = [(0.05, 0.05), (0.05, -0.05), (-0.05, 0.05), (-0.05, -0.05)]
     frames = {f"corner {k}": [x, y, -0.05] for k, (x, y) in enumerate(corners)}
     solid = du.RigidBody(1.0, [2e-3, 2e-3, 2e-3], frames)
-    body = m.add(solid, name="box", position=[0.0, 0.0, 0.06])
+    body = m.add(solid, name="box", position=[0.0, 0.0, 0.055])
+    floor = m.ground.frame("floor", [0.0, 0.0, 0.0])
     for k, corner in enumerate(frames):
         m.add(
             du.contacts.plane(
-                m.ground,
+                floor,
                 body[corner],
                 "z",
                 stiffness=2e5,
@@ -136,6 +142,12 @@ MACHINES = {
     "linkage": (linkage, {}),
 }
 """by name: what makes a model, and its settings"""
+TWO_SIZES = {
+    "servo": (servo, {"contact_step": 5e-5}),
+    "box": (box, {"contact_step": 2e-5}),
+    "block": (block, {"contact_step": 2.5e-7, "height": 6e-3, "speed": 10.0}),
+}
+"""those with steps of two sizes"""
 
 
 def values(model, n):

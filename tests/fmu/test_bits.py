@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 from duhamel.fmu.variables import output_names
 from duhamel.solver import Simulator
+from duhamel.solver.output.columns import views
+from duhamel.solver.phases import Phases
+from duhamel.solver.signals.curves import Input
+from duhamel.solver.simulation import signals
+from duhamel.solver.step.record import record
 from duhamel.solver.stepper import Stepper
 
-from .machines import MACHINES, values
+from .machines import MACHINES, TWO_SIZES, values
 
 ALL = ["*"]
 
@@ -43,3 +48,55 @@ def test_an_export_is_a_simulator_to_the_last_bit(machine, version, exported, sl
         found = stepped(instance, made.experiment.step, inputs, every, start)
         np.testing.assert_array_equal(found, simulated(model, inputs, every))
         assert np.ptp(found, axis=0).any()
+
+
+def phased(model, inputs):
+    """The outputs after every long step, and the sizes of all steps, as a run takes them."""
+    stepper = Stepper(model, ())
+    lowered, run = stepper.lowered, stepper.run
+    columns = [v for name in output_names(lowered, ALL) for v in views(lowered, name, run.output)]
+    phases, done, sizes = Phases(lowered, run.state, run.work, run.output), 0, []
+    record(run, 0)
+    rows = [np.concatenate(columns)]
+    for value in inputs:
+        end = done + lowered.ratio
+        while done < end:
+            stride, n = phases.begin(end - done)
+            steps = done + stride * np.arange(1, n + 1)
+            given = signals(lowered, steps[0], np.where(steps == end, 0, -1), stride)
+            for column, signal in zip(given.load.T, lowered.load_signals, strict=True):
+                column[:] = value if isinstance(signal, Input) else column
+            for column, signal in zip(given.motor.T, lowered.motor_signals, strict=True):
+                column[:] = value if isinstance(signal, Input) else column
+            run.state.contacts.n_events[0] = 0
+            taken, _, failed = phases.advance(given)
+            assert not failed
+            done += stride * taken
+            sizes += taken * [stride]
+        rows.append(np.concatenate(columns))
+    return np.array(rows), sizes
+
+
+@pytest.mark.parametrize("machine", TWO_SIZES)
+def test_steps_of_two_sizes_are_those_of_a_run_to_the_last_bit(machine, exported, slave):
+    make, more = TWO_SIZES[machine]
+    model = make(**more)
+    inputs = values(model, 600)
+    expected, sizes = phased(model, inputs)
+    assert len(set(sizes)) == 2
+    instance, h = slave(exported(model, outputs=ALL).path), model.settings.step
+    np.testing.assert_array_equal(stepped(instance, h, inputs), expected)
+
+
+def test_a_state_keeps_the_size_of_steps(exported, slave):
+    make, more = TWO_SIZES["box"]
+    model = make(**more)
+    inputs, h = values(model, 600), model.settings.step
+    instance = slave(exported(model, outputs=ALL).path)
+    stepped(instance, h, inputs[:200])
+    # In flight: the box has not met the floor.
+    state = instance.fmu.getFMUState()
+    expected = stepped(instance, h, inputs[200:], start=200 * h)
+    instance.fmu.setFMUState(state)
+    np.testing.assert_array_equal(stepped(instance, h, inputs[200:], start=200 * h), expected)
+    assert np.ptp(expected, axis=0).any()

@@ -292,3 +292,17 @@ def test_communication_steps_become_multiples(exported, slave):
     assert float(one.description.defaultExperiment.stepSize) == 1e-3 / 3.0
     for n in range(100):
         one.step(n * (1e-3 / 3.0), 1e-3 / 3.0)
+
+
+def test_both_sizes_of_steps_follow_the_communication_step(exported, slave):
+    model = servo(contact_step=1e-4)
+    made = exported(model, communication=1.2e-3)
+    assert made.experiment.step == pytest.approx(4e-4, rel=1e-14)
+    short = exported(model.with_settings(step=4e-4, contact_step=8e-5))
+    found = []
+    for one in (slave(made.path), slave(short.path)):
+        one.set(inputs__u=0.5)
+        for n in range(300):
+            one.step(n * 1.2e-3, 1.2e-3)
+        found.append(one.values())
+    np.testing.assert_allclose(*found, atol=1e-5)

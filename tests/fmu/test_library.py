@@ -31,8 +31,9 @@ def library_in(made, folder):
     return folder / name
 
 
-def test_steps_and_kept_states_allocate_nothing(exported, tmp_path):
-    made = exported(rod())
+@pytest.mark.parametrize("model", [rod(), box(contact_step=2e-5)], ids=["rod", "two sizes"])
+def test_steps_and_kept_states_allocate_nothing(model, exported, tmp_path):
+    made = exported(model)
     program = tmp_path / "allocations"
     source, headers = HERE / "allocations.c", library.C_SOURCES
     subprocess.run(["cc", "-O1", f"-I{headers}", source, "-o", program, "-ldl"], check=True)

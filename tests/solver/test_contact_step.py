@@ -30,8 +30,8 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.lower.lower import lower
-from duhamel.solver.phases import change_step
 from duhamel.solver.start.initial import initialize, modes_of
+from duhamel.solver.step.sizes import change_size
 from duhamel.superelement import Chain
 
 from .frameworks import bar
@@ -182,7 +182,7 @@ def test_nothing_jumps_at_a_change(element):
     modes.eta[:], modes.acceleration[:] = rng.normal(size=(2, len(modes.eta)))
     phi = modes_of(lowered, 0)
     kept = [array.copy() for array in (state.bodies.x, modes.eta, interfaces.u, state.bodies.v)]
-    change_step(lowered, state, work, 1)
+    change_size(lowered.system, lowered.flight, state, work)
     for array, before in zip(
         (state.bodies.x, modes.eta, interfaces.u, state.bodies.v), kept, strict=True
     ):

@@ -22,8 +22,8 @@ from duhamel.solver import (
     simulate,
 )
 from duhamel.solver.lower.lower import lower
-from duhamel.solver.phases import change_step
 from duhamel.solver.start.initial import initialize
+from duhamel.solver.step.sizes import change_size
 from duhamel.superelement import Recovery, read, write
 
 from .frameworks import bar
@@ -116,7 +116,7 @@ def test_what_rates_add_to_accelerations_survives_a_change_of_steps(thick):
     phi = lowered.system.elastic.modes.phi.reshape(len(state.interfaces.u), -1)
     added = rng.normal(size=len(state.interfaces.u))
     state.interfaces.acceleration[:] = phi @ state.modes.acceleration + added
-    change_step(lowered, state, initial.work, 1)
+    change_size(lowered.system, lowered.flight, state, initial.work)
     np.testing.assert_allclose(state.interfaces.a, phi @ state.modes.a + added, rtol=1e-10)
 
 
