@@ -21,8 +21,9 @@ COMPILED := tests/solver/compiler tests/solver/test_rigid.py
 FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results \
   $(addprefix tests/cli/test_,run.py check.py init.py completion.py preprocess.py schemas.py) \
   tests/preprocess/mesh tests/preprocess/body
-# What needs a newer Python than the first: MPI and PETSc come as wheels from 3.12 on.
-SPREAD := tests/preprocess/parallel
+# What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; readers on the newest.
+TESTS_OF_3.12 := $(COMPILED) tests/preprocess/parallel
+TESTS_OF_3.13 := $(FAST)
 PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 
@@ -76,9 +77,9 @@ coverage: $(CI)/3.11/.wheel ## the branches that all tests take, compiled code a
 	$(CI)/3.11/bin/coverage combine --keep --quiet --data-file=$(CI)/.coverage $(CI)/coverage.*
 	$(CI)/3.11/bin/python .ci/coverage_table.py $(CI)/.coverage
 
-python-test: $(CI)/$(VERSION)/.wheel ## the wheel on another Python, VERSION=3.13: tests of compiled code and of readers, on 3.12 of MPI
+python-test: $(CI)/$(VERSION)/.wheel ## the wheel on another Python, VERSION=3.13: tests of compiled code and readers, on 3.12 of MPI
 	$(CI)/$(VERSION)/bin/python .ci/check_wheel.py build/wheel/*.whl
-	$(CI)/$(VERSION)/bin/pytest -q --complete $(FAST) $(if $(filter 3.12,$(VERSION)),$(SPREAD))
+	$(CI)/$(VERSION)/bin/pytest -q --complete $(TESTS_OF_$(VERSION))
 
 lowest-test: $(CI)/lowest/.wheel ## the wheel with the oldest numba and numpy: tests of compiled code
 	$(CI)/lowest/bin/python .ci/check_wheel.py build/wheel/*.whl

@@ -13,9 +13,12 @@ from coupling.comparison import HIGHEST_OF_TEST, of_superelement, true_blown
 from coupling.hammer import ALL, hammer_test
 from coupling.hybrid import mesh_alone, mesh_and_test
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:.* modes for steps down to:duhamel.superelement.StepWarning"
-)
+pytestmark = [
+    pytest.mark.validation,
+    pytest.mark.filterwarnings(
+        "ignore:.* modes for steps down to:duhamel.superelement.StepWarning"
+    ),
+]
 
 INTERFACES_BEFORE, INTERFACES_AFTER = [1.16, 0.98, 0.95], [0.015, 0.045, 0.276]
 """rms errors below 1 kHz, from 1 to 3 and from 3 to 5 kHz"""
