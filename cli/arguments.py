@@ -30,6 +30,9 @@ def output_option(metavar: str, help_text: str | None = None) -> Any:
 ModelFile = Annotated[
     Path, file_argument("MODEL.toml", "Bodies, joints, loads, simulation.", TOML_SUFFIX)
 ]
+ModelStudy = Annotated[
+    Path, file_argument("STUDY.toml", "A model, its parameters and outputs.", TOML_SUFFIX)
+]
 ResultsFile = Annotated[
     Path, file_argument("RESULTS.h5", "The results of `duhamel run`.", *RESULTS_SUFFIXES)
 ]

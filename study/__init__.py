@@ -2,6 +2,7 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
+from .sensitivity import Sensitivities, SeriesDerivative, sensitivities, sensitivities_of
 from .study_file import Study, read_study, study_schema
 from .summary import Row, Summary, read_summary
 from .sweep import sweep
@@ -10,11 +11,15 @@ __all__ = [
     "Case",
     "ClusterError",
     "Row",
+    "Sensitivities",
+    "SeriesDerivative",
     "Study",
     "StudyError",
     "Summary",
     "read_study",
     "read_summary",
+    "sensitivities",
+    "sensitivities_of",
     "study_schema",
     "sweep",
 ]

@@ -87,6 +87,27 @@ def check(results: Results, outputs: Mapping[str, str]) -> None:
         _named(name, _look, results, output)
 
 
+def is_series(output: str) -> bool:
+    """Whether an output is a quantity alone, over time or frequency, without a reduction."""
+    first, _, rest = output.strip().partition(" ")
+    return not rest or first not in (*REDUCTIONS, *OF_EVENTS, VALUE_REDUCTION)
+
+
+def sampled_over(results: Results, name: str, quantity: str) -> tuple[Array, Array]:
+    """The abscissa (n,) and the values (n,) of a quantity of one number; raises as `values`."""
+
+    def taken(results: Results, quantity: str) -> tuple[Array, Array]:
+        found = transforms.series(results, quantity)
+        if found.axes:
+            raise StudyError(
+                f"{quantity!r} is of a vector: expected an axis, {quantity}:{found.axes[0]}"
+            )
+        return found.abscissa, found.values
+
+    found: tuple[Array, Array] = _named(name, taken, results, quantity)
+    return found
+
+
 def _named(
     name: str, function: Callable[[Results, str], Any], results: Results, output: str
 ) -> Any:

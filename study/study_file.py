@@ -26,7 +26,9 @@ AnyPath = Annotated[Path, Field(strict=False)]
 MEMORY_PER_FILE_BYTE = 20
 
 
-class _StudyFile(Table):
+class StudyTables(Table):
+    """The tables of a study file."""
+
     model: AnyPath | None = None
     body: AnyPath | None = None
     parameters: dict[str, Any] | None = None
@@ -111,7 +113,7 @@ def study_schema() -> dict[str, Any]:
     >>> sorted(study_schema()["properties"])
     ['body', 'derived', 'design', 'model', 'outputs', 'parameters', 'table']
     """
-    return document_of(_StudyFile, "A study file of Duhamel")
+    return document_of(StudyTables, "A study file of Duhamel")
 
 
 def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | None = None) -> Study:
@@ -133,11 +135,16 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
         Names the file, the key and the value found there. See `sweep` for an example.
     """
     path = Path(path).absolute()
-    file, _ = read_table(path, _StudyFile, StudyError)
+    file = read_study_file(path)
     try:
         return _study(file, path, resolved(Path(folder or path.with_suffix(""))))
     except (StudyError, OSError) as error:
         raise StudyError(f"{path}: {error}") from error
+
+
+def read_study_file(path: Path) -> StudyTables:
+    """The tables of a study file; `StudyError` names the file and the key."""
+    return read_table(path, StudyTables, StudyError)[0]
 
 
 def check_outputs(study: Study) -> None:
@@ -147,7 +154,7 @@ def check_outputs(study: Study) -> None:
         raise StudyError(f"{study.path}: {found}, which the study would replace")
 
 
-def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
+def _study(file: StudyTables, path: Path, folder: Path) -> Study:
     kind, base = _kind_and_base(file, path.parent)
     given, beside = read_toml(base, StudyError), base.parent
     document = with_texts(given, "", kind.paths, lambda text: _relative(beside / text, folder))
@@ -158,15 +165,17 @@ def _study(file: _StudyFile, path: Path, folder: Path) -> Study:
     derived = definitions(document, file.derived, points[0].parameters)
     place = "parameters." if table is None else f"{table}: column "
     own = own_names(document, points[0].parameters, derived, place)
-    plan = _Plan(kind, document, own, derived, path.parent, folder)
+    plan = Plan(kind, document, own, derived, path.parent, folder)
     cases = []
     for point in points:
         with _named(table, point.name):
-            cases.append(Case(point.name, point.parameters, _varied(plan, point), folder))
+            cases.append(
+                Case(point.name, point.parameters, plan.document_at(point.parameters), folder)
+            )
     return Study(path, kind, base, folder, tuple(cases), file.outputs, table)
 
 
-def _points(file: _StudyFile, table: Path | None) -> Iterator[Point]:
+def _points(file: StudyTables, table: Path | None) -> Iterator[Point]:
     if table is not None:
         return rows(table)
     if file.design is not None:
@@ -175,7 +184,7 @@ def _points(file: _StudyFile, table: Path | None) -> Iterator[Point]:
 
 
 @dataclass(frozen=True)
-class _Plan:
+class Plan:
     """How a point becomes a document.
 
     own: names that are no keys; derived: definitions by key; home: the folder of the study file,
@@ -189,21 +198,20 @@ class _Plan:
     home: Path
     folder: Path
 
-    def put(self, document: dict[str, Any], key: str, value: Any) -> None:
+    def document_at(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The base document with values of parameters, and what is derived from them."""
+        derivation = Derivation(deepcopy(dict(self.document)), self.own, self._put)
+        for key, value in values.items():
+            derivation.give(key, value)
+        derivation.derive(self.derived)
+        return derivation.document
+
+    def _put(self, document: dict[str, Any], key: str, value: Any) -> None:
         """Give a key a value, whose paths are relative to the study file."""
         put(document, key, with_texts(value, key, self.kind.paths, self._moved))
 
     def _moved(self, path: str) -> str:
         return _relative(self.home / path, self.folder)
-
-
-def _varied(plan: _Plan, point: Point) -> dict[str, Any]:
-    """The base document with the parameters of a point, and what is derived from them."""
-    derivation = Derivation(deepcopy(dict(plan.document)), plan.own, plan.put)
-    for key, value in point.parameters.items():
-        derivation.give(key, value)
-    derivation.derive(plan.derived)
-    return derivation.document
 
 
 @contextmanager
@@ -215,7 +223,7 @@ def _named(table: Path | None, case: str) -> Iterator[None]:
         raise error if table is None else StudyError(f"{table}: {case}: {error}") from error
 
 
-def _kind_and_base(file: _StudyFile, folder: Path) -> tuple[Kind, Path]:
+def _kind_and_base(file: StudyTables, folder: Path) -> tuple[Kind, Path]:
     # Imports here: each kind takes a second to load its packages.
     if file.model is not None:
         from .simulation import Simulation

@@ -28,6 +28,7 @@ from .quantities import curves
 from .report import REPORT_FIELDS, write_report
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
+from .sensitivities import draw_elasticities
 from .space import Film, animate
 from .styles import COLORS
 from .variation import draw_variation
@@ -58,6 +59,7 @@ __all__ = [
     "draw",
     "draw_body_fields",
     "draw_campbell",
+    "draw_elasticities",
     "draw_fields",
     "draw_fit",
     "draw_response",

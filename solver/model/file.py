@@ -155,10 +155,10 @@ KINDS_BY_TYPE = {"joints": JOINTS, "loads": LOADS}
 
 def table_of_any_model() -> Any:
     """The table of a model file, with all that one may have."""
-    return _table_of_model(dict.fromkeys(TABLES_OF_ARRAYS))
+    return table_of_model(dict.fromkeys(TABLES_OF_ARRAYS))
 
 
-def _table_of_model(content: Mapping[str, Any]) -> Any:
+def table_of_model(content: Mapping[str, Any]) -> Any:
     """The table of a model file, as far as it has arrays and kinds of joints and loads.
 
     To make the tables of all kinds takes longer than to read most files.
@@ -244,10 +244,10 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
-    file, text = read_table(path, _table_of_model, ModelError)
+    file, text = read_table(path, table_of_model, ModelError)
     # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
-        return _model(file, text, path)
+        return model_of_tables(file, path, {}, text)
 
 
 @overload
@@ -286,13 +286,15 @@ def write_model(model: Any, path: Any, /) -> None:
     # The document is complete before the file is opened: a model that cannot be written leaves
     # none.
     with beside(path.parent):
-        document = _document(model, path.parent)
+        document = document_of_model(model, path.parent)
     with renamed_when_whole(path, failure=ModelError) as temporary:
         temporary.write_text(toml_of(document), encoding="utf-8")
 
 
-def _model(file: Any, text: str, path: Path) -> Model:
-    superelements: dict[Path, Superelement] = {}
+def model_of_tables(
+    file: Any, path: Path, superelements: dict[Path, Superelement], text: str = ""
+) -> Model:
+    """The model of a validated file; superelements: those that are known already, by their path."""
     simulation = present_keys(file.simulation)
     gravity = simulation.pop("gravity", ZERO_VECTOR)
     settings = entry_of(Settings, simulation | {"output": file.output})
@@ -360,7 +362,8 @@ def _motion(values: dict[str, Any]) -> Any:
     )
 
 
-def _document(model: Model, folder: Path) -> dict[str, Any]:
+def document_of_model(model: Model, folder: Path) -> dict[str, Any]:
+    """The tables of the file of a model in a folder."""
     settings = table_in_file(model.settings)
     if isinstance(start := model.settings.start, StartFrom):
         settings["start"] = {"from": relative(start.path, folder)}

@@ -1,0 +1,72 @@
+"""Models as functions of numbers: the values of keys, of names of a study, or of a function."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+from ..inputs import dotted, quoted
+from ..solver import Model
+from ..solver.model.variation import Variation
+from .errors import StudyError
+from .keys import put, value_at
+
+
+@dataclass(frozen=True)
+class Parametrized:
+    """A model as a function of its parameters; values: those at which it stands, by name."""
+
+    values: Mapping[str, float]
+    make: Callable[[Mapping[str, float]], Model]
+
+
+def of_model(model: Model, parameters: Mapping[str, str] | Sequence[str]) -> Parametrized:
+    """A model whose parameters are keys of its file, by names of their own or as they are."""
+    named = parameters if isinstance(parameters, Mapping) else {key: key for key in parameters}
+    variation = Variation(model)
+    values = {name: numeric_value_at(variation.tables, key) for name, key in named.items()}
+
+    def make(changed: Mapping[str, float]) -> Model:
+        tables = deepcopy(dict(variation.tables))
+        for name, value in changed.items():
+            put(tables, named[name], value)
+        return variation.model(tables)
+
+    return Parametrized(values, make)
+
+
+def of_function(
+    function: Callable[..., Model], values: Mapping[str, float] | Sequence[str]
+) -> Parametrized:
+    """A function of Python that makes the model, with its parameters as keywords."""
+    if not isinstance(values, Mapping):
+        raise StudyError(
+            "parameters: of a function expected their values by name, found names alone"
+        )
+    numbers = {name: numeric(name, value) for name, value in values.items()}
+    return Parametrized(numbers, lambda changed: function(**changed))
+
+
+def numeric_value_at(tables: Mapping[str, Any], key: str) -> float:
+    """The number at a dotted key; `StudyError` for what is no number."""
+    try:
+        value = value_at(tables, key)
+    except StudyError as error:
+        raise StudyError(f"parameters.{dotted([key])}: {error}") from error
+    if isinstance(value, list):
+        raise StudyError(
+            f"parameters.{dotted([key])}: expected a number, found a list: name one of "
+            f"{', '.join(_numbers_of(key, value))}"
+        )
+    return numeric(key, value)
+
+
+def numeric(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise StudyError(f"parameters.{dotted([name])}: expected a number, found {quoted(value)}")
+    return float(value)
+
+
+def _numbers_of(key: str, value: Sequence[Any]) -> Iterator[str]:
+    for i, entry in enumerate(value):
+        yield from _numbers_of(f"{key}.{i}", entry) if isinstance(entry, list) else [f"{key}.{i}"]

@@ -1,0 +1,273 @@
+"""Derivatives of what a run gives by the parameters of its model."""
+
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files.arrays import Array
+from ..inputs import dotted
+from ..results import Results
+from ..solver import Model, ValidityWarning, simulate
+from .differences import DIFFERENCE_STEPS, LEAST_STEPS, slopes_of
+from .errors import StudyError
+from .one_model import read_study_of_one_model
+from .outputs import is_series, sampled_over, units, values
+from .parametrized import Parametrized, of_function, of_model
+from .simulation import Simulation
+
+SENSITIVITY_METHODS = ("differences",)
+SWITCH_NOTE = "switches within the run: the error is that of the widest difference"
+
+
+@dataclass(frozen=True, eq=False)
+class SeriesDerivative:
+    """A quantity over time with its derivatives.
+
+    abscissa (n,) [s or Hz]; value (n,); derivative, error (n, parameters), per unit of each.
+    """
+
+    abscissa: Array
+    value: Array
+    derivative: Array
+    error: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivities:
+    """Outputs of a run and their derivatives by parameters.
+
+    parameters: the values at which they were taken, by name; outputs: by name, as in study files;
+    units: of the outputs; value (outputs,); derivative, error (outputs, parameters), in SI units;
+    series: quantities over time, by their words; notes: what is to be known of them.
+    """
+
+    parameters: Mapping[str, float]
+    outputs: Mapping[str, str]
+    units: Mapping[str, str]
+    value: Array
+    derivative: Array
+    error: Array
+    series: Mapping[str, SeriesDerivative]
+    notes: tuple[str, ...]
+
+    @property
+    def elasticity(self) -> Array:
+        """p / y dy/dp (outputs, parameters): per cent of an output for one of a parameter."""
+        p = np.array(list(self.parameters.values()))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = self.derivative * p / self.value[:, None]
+        return found
+
+
+def sensitivities(
+    model: Model | Callable[..., Model],
+    parameters: Mapping[str, str] | Mapping[str, float] | Sequence[str],
+    outputs: Mapping[str, str] | Sequence[str],
+    method: str = "differences",
+    *,
+    scales: Mapping[str, float] | None = None,
+) -> Sensitivities:
+    """Derivatives of outputs of a run by parameters of its model.
+
+    By central differences with steps of 1e-2 to 1e-6 of each parameter. The error is the scatter of
+    neighboring steps. Superelements are read once. That is ten runs for each parameter.
+
+    Parameters
+    ----------
+    model : Model or callable
+        Or a function that makes it, with the parameters as keywords.
+    parameters : mapping or sequence of str
+        Keys of a model file, as "bodies.hub.mass" or "contacts.floor.stiffness", or those by names
+        of your own. Of a function: their values by name.
+    outputs : mapping or sequence of str
+        As in study files, as "max |displacement:beam.tip:hub.rim:y|"; a quantity alone, as
+        "angle:pivot:z", is taken over time.
+    method : {"differences"}
+    scales : mapping of float, optional
+        The size by which steps of a parameter are counted, by default its value. A parameter that
+        is 0 needs it.
+
+    Returns
+    -------
+    Sensitivities
+
+    Raises
+    ------
+    StudyError
+        For a key that there is not, or is no number; an output that there is not; and a parameter
+        with which the model cannot run on either side.
+
+    Notes
+    -----
+    Where a contact, a stop, a limit or friction switches, a run with fixed steps has another slope
+    than the motion. Steps then scatter: the widest difference is taken, and a note says so.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> ball = RigidBody(2.0, [0.1] * 3)
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> found = sensitivities(model, {"g": "simulation.gravity.2"}, ["final position:ball:z"])
+    >>> found.derivative.round(6).tolist()
+    [[0.5]]
+    """
+    _check_method(method)
+    if isinstance(model, Model):
+        family = of_model(model, parameters)  # type: ignore[arg-type]
+    else:
+        family = of_function(model, parameters)  # type: ignore[arg-type]
+    named = outputs if isinstance(outputs, Mapping) else {text: text for text in outputs}
+    return by_differences(family, named, scales or {})
+
+
+def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") -> Sensitivities:
+    """The derivatives of the outputs of a study file by its parameters.
+
+    As `sensitivities` takes them, at the values that the study file gives its parameters, the means
+    of their normal distributions, or else those of the model file. `StudyError` names the file.
+    """
+    _check_method(method)
+    family = read_study_of_one_model(path)
+    # The deviation of a parameter whose mean is 0 is its size.
+    scales = {
+        name: deviation
+        for name, deviation in family.deviations.items()
+        if not family.parametrized.values[name]
+    }
+    try:
+        return by_differences(family.parametrized, family.outputs, scales)
+    except StudyError as error:
+        raise StudyError(f"{family.path}: {error}") from error
+
+
+def by_differences(
+    family: Parametrized, outputs: Mapping[str, str], scales: Mapping[str, float]
+) -> Sensitivities:
+    """The derivatives of a family of models, as `sensitivities` describes them."""
+    if unknown := sorted(scales.keys() - family.values.keys()):
+        raise StudyError(f"scales.{dotted([unknown[0]])}: no parameter has this name")
+    sizes = {name: _scale(name, value, scales) for name, value in family.values.items()}
+    # First: it tells what is wrong with the model or the outputs, and warns as runs do.
+    results = simulate(family.make(family.values))
+    asked = _Asked.of(results, outputs)
+    base = asked.numbers(results)
+    derivatives, errors, notes = list[Array](), list[Array](), list[str]()
+    for name, scale in sizes.items():
+        found = _differences(family, name, scale, asked)
+        if np.isfinite(found[:, 0]).sum() < LEAST_STEPS:
+            raise StudyError(
+                f"parameters.{dotted([name])}: the model does not run on both sides of "
+                f"{family.values[name]:.9g}: {asked.failure}"
+            )
+        derivative = slopes_of(found)
+        derivatives.append(derivative.value)
+        errors.append(derivative.error)
+        notes += asked.noted(name, derivative.switches)
+    return asked.made(family.values, results, base, derivatives, errors, notes)
+
+
+def _check_method(method: str) -> None:
+    if method not in SENSITIVITY_METHODS:
+        raise StudyError(f"method: expected {' or '.join(SENSITIVITY_METHODS)}, found {method!r}")
+
+
+def _scale(name: str, value: float, scales: Mapping[str, float]) -> float:
+    scale = abs(scales.get(name, value))
+    if not 0.0 < scale < np.inf:
+        raise StudyError(
+            f"parameters.{dotted([name])}: expected a scale above 0 for its steps, found "
+            f"{scale:.6g}: the value is {value:.6g}"
+        )
+    return float(scale)
+
+
+def _differences(family: Parametrized, name: str, scale: float, asked: "_Asked") -> Array:
+    """D of each step and number (5, m); no numbers where a run failed."""
+    found = []
+    for step in (DIFFERENCE_STEPS * scale).tolist():
+        value = family.values[name]
+        # The difference of what was really put in: steps of 1e-6 are rounded.
+        ends = value + step, value - step
+        numbers = [asked.of_run(family, {**family.values, name: end}) for end in ends]
+        found.append((numbers[0] - numbers[1]) / (ends[0] - ends[1]))
+    return np.array(found)
+
+
+class _Asked:
+    """The numbers that are taken of each run: outputs, then the samples of quantities over time."""
+
+    def __init__(self, outputs: Mapping[str, str], series: Mapping[str, Array]) -> None:
+        self._outputs = {name: text for name, text in outputs.items() if name not in series}
+        self._series = series
+        self._words = {name: outputs[name] for name in series}
+        self._n = len(self._outputs) + sum(map(len, series.values()))
+        self.failure = ""
+        """of the last run that failed"""
+
+    @classmethod
+    def of(cls, results: Results, outputs: Mapping[str, str]) -> "_Asked":
+        if not outputs:
+            raise StudyError("outputs: expected at least one, found none")
+        series = {
+            name: sampled_over(results, name, text)[0]
+            for name, text in outputs.items()
+            if is_series(text)
+        }
+        return cls(outputs, series)
+
+    def numbers(self, results: Results) -> Array:
+        """(m,) of a run; series at the times of the first run."""
+        found = [np.array(list(values(results, self._outputs).values()), dtype=float)]
+        for name, abscissa in self._series.items():
+            own, column = sampled_over(results, name, self._words[name])
+            same = np.array_equal(own, abscissa)
+            found.append(column if same else np.interp(abscissa, own, column))
+        return np.concatenate(found)
+
+    def of_run(self, family: Parametrized, changed: Mapping[str, float]) -> Array:
+        """The numbers of a run with these values; none of one that fails."""
+        try:
+            with warnings.catch_warnings():
+                # Those of the run itself have been told.
+                warnings.simplefilter("ignore", ValidityWarning)
+                return self.numbers(simulate(family.make(changed)))
+        except Simulation().failures as error:
+            self.failure = str(error)
+            return np.full(self._n, np.nan)
+
+    def noted(self, name: str, switches: NDArray[np.bool_]) -> Iterator[str]:
+        """Lines about outputs whose differences by a parameter scatter."""
+        for output, switching in zip(self._outputs, switches.tolist(), strict=False):
+            if switching:
+                yield f"{output} by {name}: {SWITCH_NOTE}"
+
+    def made(
+        self,
+        parameters: Mapping[str, float],
+        results: Results,
+        base: Array,
+        derivatives: Sequence[Array],
+        errors: Sequence[Array],
+        notes: Sequence[str],
+    ) -> Sensitivities:
+        n = len(self._outputs)
+        slopes, scatter = np.array(derivatives).T, np.array(errors).T
+        series, first = dict[str, SeriesDerivative](), n
+        for name, abscissa in self._series.items():
+            own = slice(first, first + len(abscissa))
+            series[name] = SeriesDerivative(abscissa, base[own], slopes[own], scatter[own])
+            first += len(abscissa)
+        return Sensitivities(
+            dict(parameters),
+            dict(self._outputs),
+            units(results, self._outputs),
+            base[:n],
+            slopes[:n],
+            scatter[:n],
+            series,
+            tuple(notes),
+        )
