@@ -2,6 +2,7 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
+from .fit import FittedParameter, ModelFit, fit
 from .sensitivity import Sensitivities, SeriesDerivative, sensitivities, sensitivities_of
 from .study_file import Study, read_study, study_schema
 from .summary import Row, Summary, read_summary
@@ -10,12 +11,15 @@ from .sweep import sweep
 __all__ = [
     "Case",
     "ClusterError",
+    "FittedParameter",
+    "ModelFit",
     "Row",
     "Sensitivities",
     "SeriesDerivative",
     "Study",
     "StudyError",
     "Summary",
+    "fit",
     "read_study",
     "read_summary",
     "sensitivities",

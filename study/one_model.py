@@ -1,9 +1,11 @@
 """A study file as one model that varies, for derivatives, fits and optimizations."""
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ..inputs import read_toml
 from ..solver import Model, read_model
@@ -12,24 +14,33 @@ from .derived import definitions, own_names
 from .errors import StudyError
 from .keys import leaves
 from .parametrized import Parametrized, numeric, numeric_value_at
-from .samples import is_distribution
+from .samples import distribution_of, is_distribution
 from .simulation import Simulation
 from .study_file import Plan, StudyTables, read_study_file
 
 
+@dataclass(frozen=True)
+class StudyParameter:
+    """A parameter with one value.
+
+    deviation: of a normal distribution, else 0; bounds: of a range, in whose logarithm it is
+    searched if it is logarithmic.
+    """
+
+    value: float
+    deviation: float = 0.0
+    bounds: tuple[float, float] | None = None
+    logarithmic: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class StudyOfOneModel:
-    """What a study file varies, without its cases.
-
-    parametrized: the model by its parameters; deviations: those of parameters with a normal
-    distribution; plan: how values become the tables of a model file.
-    """
+    """What a study file varies, without its cases; plan: how values become a model file."""
 
     path: Path
     base: Path
+    parameters: Mapping[str, StudyParameter]
     parametrized: Parametrized
-    outputs: Mapping[str, str]
-    deviations: Mapping[str, float]
     plan: Plan
     file: StudyTables
 
@@ -38,7 +49,8 @@ def read_study_of_one_model(path: str | os.PathLike[str]) -> StudyOfOneModel:
     """Read a study file of a model, and the model with its superelements.
 
     The value of a parameter is the number that the study file gives it, the mean of its normal
-    distribution, or else what the model file has. `StudyError` names the file and the key.
+    distribution, what the model file has, or else the middle of its range. `StudyError` names the
+    file and the key.
     """
     path = Path(path).absolute()
     file = read_study_file(path)
@@ -53,20 +65,11 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
         raise StudyError("expected model and parameters, found body or table")
     base = path.parent / file.model
     given = read_toml(base, StudyError)
-    values, deviations = dict[str, float](), dict[str, float]()
-    for key, value in leaves(file.parameters):
-        name, kind = key, ""
-        if is_distribution(key, value):
-            name, _, kind = key.rpartition(".")
-        if kind == "normal":
-            values[name], deviations[name] = map(float, value)
-        elif isinstance(value, list):
-            # Values and ranges of a sweep have no middle that one would expect here.
-            values[name] = numeric_value_at(given, name)
-        else:
-            values[name] = numeric(name, value)
-    if not values:
+    found = [_parameter(given, key, value) for key, value in leaves(file.parameters)]
+    if not found:
         raise StudyError("parameters: expected numbers by dotted key, found none")
+    parameters = dict(found)
+    values = {name: parameter.value for name, parameter in found}
     derived = definitions(given, file.derived, values)
     own = own_names(given, values, derived, "parameters.")
     plan = Plan(Simulation(), given, own, derived, path.parent, base.parent)
@@ -76,5 +79,24 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
     def make(changed: Mapping[str, float]) -> Model:
         return variation.model(plan.document_at(changed))
 
-    parametrized = Parametrized(values, make)
-    return StudyOfOneModel(path, base, parametrized, file.outputs, deviations, plan, file)
+    return StudyOfOneModel(path, base, parameters, Parametrized(values, make), plan, file)
+
+
+def _parameter(given: Mapping[str, Any], key: str, value: Any) -> tuple[str, StudyParameter]:
+    if not is_distribution(key, value):
+        if not isinstance(value, list):
+            return key, StudyParameter(numeric(key, value))
+        # The values of a sweep have no middle that one would expect here.
+        return key, StudyParameter(numeric_value_at(given, key))
+    name, kind, low, high = distribution_of(key, value)
+    if kind == "normal":
+        return name, StudyParameter(low, deviation=high)
+    logarithmic = kind == "log_uniform"
+    try:
+        start = numeric_value_at(given, name)
+    except StudyError:
+        if "." in name or name in given:
+            raise
+        # A name of the study's own has no value in the model file.
+        start = math.sqrt(low * high) if logarithmic else 0.5 * (low + high)
+    return name, StudyParameter(start, bounds=(low, high), logarithmic=logarithmic)

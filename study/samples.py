@@ -97,6 +97,12 @@ def _axis(key: str, value: Any) -> tuple[str, Callable[[Array], list[Any]]]:
         )
     if not is_distribution(key, value):
         return key, lambda p: [value[i] for i in np.floor(len(value) * p).astype(int)]
+    key, name, first, second = distribution_of(key, value)
+    return key, lambda p: DISTRIBUTIONS[name](first, second, p).tolist()
+
+
+def distribution_of(key: str, value: Any) -> tuple[str, str, float, float]:
+    """The key of a parameter, the name of its distribution, and the two numbers of that."""
     key, _, name = key.rpartition(".")
     if not _is_valid(name, *value):
         raise StudyError(
@@ -104,7 +110,7 @@ def _axis(key: str, value: Any) -> tuple[str, Callable[[Array], list[Any]]]:
             f"{value}"
         )
     first, second = map(float, value)
-    return key, lambda p: DISTRIBUTIONS[name](first, second, p).tolist()
+    return key, name, first, second
 
 
 def _is_valid(name: str, first: float, second: float) -> bool:

@@ -131,17 +131,17 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
     of their normal distributions, or else those of the model file. `StudyError` names the file.
     """
     _check_method(method)
-    family = read_study_of_one_model(path)
+    study = read_study_of_one_model(path)
     # The deviation of a parameter whose mean is 0 is its size.
     scales = {
-        name: deviation
-        for name, deviation in family.deviations.items()
-        if not family.parametrized.values[name]
+        name: parameter.deviation
+        for name, parameter in study.parameters.items()
+        if parameter.deviation and not parameter.value
     }
     try:
-        return by_differences(family.parametrized, family.outputs, scales)
+        return by_differences(study.parametrized, study.file.outputs, scales)
     except StudyError as error:
-        raise StudyError(f"{family.path}: {error}") from error
+        raise StudyError(f"{study.path}: {error}") from error
 
 
 def by_differences(

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +17,7 @@ from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
 from .keys import matching, put, with_texts
+from .measured_series import SeriesTable
 from .points import Point, grid, rows, samples
 from .samples import Design
 
@@ -24,6 +25,13 @@ AnyPath = Annotated[Path, Field(strict=False)]
 
 # Bytes in memory of a case for each byte of its file: Python objects hold the parsed tables.
 MEMORY_PER_FILE_BYTE = 20
+
+
+class FitTable(Table):
+    """What a fit compares runs with; shift: whether the time of all series may be shifted."""
+
+    series: tuple[SeriesTable, ...] = ()
+    shift: bool = False
 
 
 class StudyTables(Table):
@@ -36,6 +44,7 @@ class StudyTables(Table):
     table: AnyPath | None = None
     derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
+    fit: FitTable | None = None
 
     @rule
     def _one_of_each(self) -> None:
@@ -156,16 +165,15 @@ def check_outputs(study: Study) -> None:
 
 def _study(file: StudyTables, path: Path, folder: Path) -> Study:
     kind, base = _kind_and_base(file, path.parent)
-    given, beside = read_toml(base, StudyError), base.parent
-    document = with_texts(given, "", kind.paths, lambda text: _relative(beside / text, folder))
+    given = read_toml(base, StudyError)
     table = None if file.table is None else path.parent / file.table
     points = list(_points(file, table))
     if lacking := shortage(MEMORY_PER_FILE_BYTE * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
-    derived = definitions(document, file.derived, points[0].parameters)
+    derived = definitions(given, file.derived, points[0].parameters)
     place = "parameters." if table is None else f"{table}: column "
-    own = own_names(document, points[0].parameters, derived, place)
-    plan = Plan(kind, document, own, derived, path.parent, folder)
+    own = own_names(given, points[0].parameters, derived, place)
+    plan = Plan(kind, given, own, derived, path.parent, base.parent).moved(folder)
     cases = []
     for point in points:
         with _named(table, point.name):
@@ -205,6 +213,16 @@ class Plan:
             derivation.give(key, value)
         derivation.derive(self.derived)
         return derivation.document
+
+    def moved(self, folder: Path) -> "Plan":
+        """The same plan for files in another folder, to which their paths are relative."""
+        document = with_texts(
+            dict(self.document),
+            "",
+            self.kind.paths,
+            lambda text: _relative(self.folder / text, folder),
+        )
+        return replace(self, document=document, folder=folder)
 
     def _put(self, document: dict[str, Any], key: str, value: Any) -> None:
         """Give a key a value, whose paths are relative to the study file."""

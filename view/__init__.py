@@ -29,6 +29,7 @@ from .report import REPORT_FIELDS, write_report
 from .runs import Run, names_of, panel, runs_of
 from .scene import Cross, Marker, Patch, Scene, draw_scene
 from .sensitivities import draw_elasticities
+from .series_fit import SeriesFit, draw_series_fit
 from .space import Film, animate
 from .styles import COLORS
 from .variation import draw_variation
@@ -53,6 +54,7 @@ __all__ = [
     "Run",
     "Scene",
     "SeriesError",
+    "SeriesFit",
     "SeriesWarning",
     "animate",
     "curves",
@@ -64,6 +66,7 @@ __all__ = [
     "draw_fit",
     "draw_response",
     "draw_scene",
+    "draw_series_fit",
     "draw_shapes",
     "draw_variation",
     "entitle",

@@ -1,0 +1,350 @@
+"""Parameters of a model for which its runs are nearest to measured series.
+
+    minimize  sum over series and samples of ((y(t - shift; p) - measured) / sigma)^2
+
+within the bounds of the parameters. J, the derivatives of the residuals at the optimum, gives the
+covariance (J^T J)^-1 of the parameters, times the mean square of the residuals where sigma is not
+known. Standard deviations and correlations hold as far as the model does, and y is nearly linear
+in the parameters within them.
+
+Source: docs/theory.md, Fits.
+"""
+
+import os
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import exp, log
+from pathlib import Path
+
+import numpy as np
+
+from ..files import renamed_when_whole, require_no_input
+from ..files.arrays import Array
+from ..inputs import dotted, toml_of
+from ..solver import ValidityWarning, simulate
+from .errors import StudyError
+from .measured_series import MeasuredSeries, read_series
+from .one_model import StudyOfOneModel, StudyParameter, read_study_of_one_model
+from .outputs import sampled_over
+from .parametrized import Parametrized
+from .simulation import Simulation
+
+JACOBIAN_STEP = 1e-4
+"""of the scale of a parameter, for central differences: smooth runs are right to 1e-8 there"""
+SHIFT_NAME = "shift"
+"""the name of the parameter that moves a run over time"""
+STRONG_CORRELATION = 0.95
+LEAST_SINGULAR_VALUE = 1e-10
+"""of the largest singular value of J, its columns scaled"""
+MOST_SEARCH_STEPS = 50
+"""of the search; slow ones go along a bound, or where the series tell nothing"""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedParameter:
+    """start, value; deviation: its standard deviation, inf where the data do not tell it."""
+
+    name: str
+    start: float
+    value: float
+    deviation: float
+    at_bound: bool
+
+    @property
+    def is_key(self) -> bool:
+        """Whether it is a parameter of the study, not the shift."""
+        return self.name != SHIFT_NAME
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFit:
+    """A model that was fitted to measured series.
+
+    parameters: in their order, with the shift [s] last if it was fitted; correlation (k, k);
+    rank: of k, how many combinations of parameters the data tell; series: measured, and fitted
+    (n,), the run at their times; rms: of the residuals of each, in its unit; runs: how many were
+    made.
+    """
+
+    parameters: tuple[FittedParameter, ...]
+    correlation: Array
+    rank: int
+    series: tuple[MeasuredSeries, ...]
+    fitted: tuple[Array, ...]
+    rms: Array
+    runs: int
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Lines about what the data do not tell."""
+        names = [parameter.name for parameter in self.parameters]
+        if self.rank < len(names):
+            yield (
+                f"the series tell {self.rank} of {len(names)} combinations of the parameters: fix "
+                "some, or measure more"
+            )
+        for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+            if abs(self.correlation[i, j]) > STRONG_CORRELATION:
+                yield (
+                    f"{names[i]} and {names[j]} have a correlation of {self.correlation[i, j]:.3f}:"
+                    " the series hardly tell them apart"
+                )
+        for parameter in self.parameters:
+            if parameter.at_bound:
+                yield f"{parameter.name} is at a bound, {parameter.value:.6g}"
+
+
+def fit(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> ModelFit:
+    """ModelFit the parameters of a study file to the measured series of its table [fit].
+
+    Parameters
+    ----------
+    path : path
+        A study file with `model`, `parameters` and [fit]: see docs/studies.md. A parameter begins at
+        its number, the mean of its normal distribution, or the value of the model file; uniform
+        and log_uniform ranges are bounds, the latter with steps in the logarithm.
+    output : path, optional
+        The model file with the fitted values, by default none.
+
+    Returns
+    -------
+    ModelFit
+
+    Raises
+    ------
+    StudyError
+        Names the file and the key; also where the model does not run at the start.
+    """
+    study = read_study_of_one_model(path)
+    try:
+        return _fitted(study, None if output is None else Path(output).absolute())
+    except StudyError as error:
+        raise StudyError(f"{study.path}: {error}") from error
+
+
+def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
+    # Import here: takes a second, and no other study needs it.
+    from scipy.optimize import least_squares
+
+    table = study.file.fit
+    if table is None or not table.series:
+        raise StudyError("expected the table [fit] with [[fit.series]], found none")
+    series = [
+        read_series(one, study.path.parent, f"fit.series.{n}") for n, one in enumerate(table.series)
+    ]
+    if output is not None:
+        files = [study.path, study.base, *(study.path.parent / one.file for one in table.series)]
+        require_no_input(output, files, "an input of the fit")
+    if len({one.sigma > 0.0 for one in series}) > 1:
+        raise StudyError("fit.series: expected sigma of all series or of none")
+    axes = [_Axis.of(name, parameter) for name, parameter in study.parameters.items()]
+    if table.shift:
+        axes.append(_Axis(SHIFT_NAME, 0.0, 1.0, -np.inf, np.inf, False))
+    problem = _Problem(study.parametrized, axes, series)
+    start = np.array([axis.inner(axis.start) for axis in axes])
+    problem.check(start)
+    bounds = np.array([[axis.inner(end) for end in (axis.low, axis.high)] for axis in axes]).T
+    found = least_squares(
+        problem.residuals,
+        start,
+        problem.jacobian,
+        bounds,
+        x_scale="jac",
+        max_nfev=MOST_SEARCH_STEPS,
+    )
+    # Written last: a fit that fails leaves no file.
+    made = problem.fit(found.x, found.active_mask)
+    if output is not None:
+        tables = study.plan.moved(output.parent).document_at(
+            {one.name: one.value for one in made.parameters if one.is_key}
+        )
+        with renamed_when_whole(output, failure=StudyError) as temporary:
+            temporary.write_text(toml_of(tables), encoding="utf-8")
+    return made
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """A parameter: start, scale of its differences, bounds; by its logarithm within the search."""
+
+    name: str
+    start: float
+    scale: float
+    low: float
+    high: float
+    logarithmic: bool
+
+    @classmethod
+    def of(cls, name: str, parameter: StudyParameter) -> "_Axis":
+        start, bounds = parameter.value, parameter.bounds
+        low, high = bounds or (-np.inf, np.inf)
+        if not low <= start <= high:
+            raise StudyError(
+                f"parameters.{dotted([name])}: expected a start between {low:.6g} and {high:.6g}, "
+                f"found {start:.6g}"
+            )
+        scale = abs(start) or (high - low if bounds else 0.0)
+        if not scale > 0.0:
+            raise StudyError(
+                f"parameters.{dotted([name])}: begins at 0: expected bounds, {{uniform = [..]}}"
+            )
+        # Strictly within the bounds, as the search wants its start.
+        margin = 1e-9 * (high - low) if bounds else 0.0
+        inside = min(max(start, low + margin), high - margin)
+        return cls(name, inside, scale, low, high, parameter.logarithmic)
+
+    def inner(self, value: float) -> float:
+        return log(value) if self.logarithmic else value / self.scale
+
+    def outer(self, inner: float) -> float:
+        return exp(inner) if self.logarithmic else inner * self.scale
+
+    def slope(self, value: float) -> float:
+        """d value / d inner"""
+        return value if self.logarithmic else self.scale
+
+
+class _Problem:
+    """Residuals and their derivatives, as the search asks for them."""
+
+    def __init__(
+        self, family: Parametrized, axes: Sequence[_Axis], series: Sequence[MeasuredSeries]
+    ) -> None:
+        self._family, self._axes, self._series = family, axes, series
+        # Without sigma each series by its own size: one in rad must not outweigh one in m.
+        self._weights = [
+            1.0 / (one.sigma or float(np.sqrt(np.mean(one.values**2))) or 1.0) for one in series
+        ]
+        self._has_shift = bool(axes) and axes[-1].name == SHIFT_NAME
+        self._n = sum(len(one.time) for one in series)
+        self.runs, self._failure = 0, ""
+        self._last: tuple[dict[str, float], list[tuple[Array, Array]]] | None = None
+        """values and series of the last run"""
+
+    def check(self, inner: Array) -> None:
+        """`StudyError` where there is no run at the start, or not up to the end of a series."""
+        values = self._values(inner)
+        results = simulate(self._family.make(values))
+        for one in self._series:
+            time, _ = sampled_over(results, one.name, one.quantity)
+            if one.time[0] < time[0] or one.time[-1] > time[-1] * (1.0 + 1e-9):
+                raise StudyError(
+                    f"{one.name}: is measured from {one.time[0]:.6g} s to {one.time[-1]:.6g} s, "
+                    f"and the run goes from {time[0]:.6g} s to {time[-1]:.6g} s"
+                )
+
+    def residuals(self, inner: Array) -> Array:
+        return self._residuals_at(self._values(inner), self._shift(inner))
+
+    def jacobian(self, inner: Array) -> Array:
+        values, columns = self._values(inner), []
+        # First, as long as the last run is that at these values.
+        by_shift = [self._by_shift(values, self._shift(inner))] if self._has_shift else []
+        for axis in self._axes:
+            if axis.name == SHIFT_NAME:
+                continue
+            value = values[axis.name]
+            step = JACOBIAN_STEP * (abs(value) if axis.logarithmic else axis.scale)
+            # One-sided at a bound: beyond it the model may not exist.
+            ends = min(value + step, axis.high), max(value - step, axis.low)
+            ahead, back = (
+                self._residuals_at({**values, axis.name: end}, self._shift(inner)) for end in ends
+            )
+            columns.append((ahead - back) / (ends[0] - ends[1]) * axis.slope(value))
+        found = np.array([*columns, *by_shift]).T
+        if not np.isfinite(found).all():
+            raise StudyError(f"the model does not run beside {values}: {self._failure}")
+        return found
+
+    def fit(self, inner: Array, active: Array) -> ModelFit:
+        residuals, J = self.residuals(inner), self.jacobian(inner)
+        outer = [axis.outer(x) for axis, x in zip(self._axes, inner.tolist(), strict=True)]
+        slopes = np.array([a.slope(x) for a, x in zip(self._axes, outer, strict=True)])
+        correlation, deviations, rank = self._covariance(J / slopes, residuals)
+        parameters = tuple(
+            FittedParameter(axis.name, axis.start, value, deviation, bool(at_bound))
+            for axis, value, deviation, at_bound in zip(
+                self._axes, outer, deviations.tolist(), active.tolist(), strict=True
+            )
+        )
+        fitted, rms, first = [], [], 0
+        for one, weight in zip(self._series, self._weights, strict=True):
+            own = residuals[first : first + len(one.time)] / weight
+            fitted.append(one.values + own)
+            rms.append(float(np.sqrt(np.mean(own**2))))
+            first += len(one.time)
+        return ModelFit(
+            parameters,
+            correlation,
+            rank,
+            tuple(self._series),
+            tuple(fitted),
+            np.array(rms),
+            self.runs,
+        )
+
+    def _covariance(self, J: Array, residuals: Array) -> tuple[Array, Array, int]:
+        """Correlations (k, k), standard deviations (k,) and the rank of J."""
+        k = J.shape[1]
+        norms = np.linalg.norm(J, axis=0)
+        norms[norms == 0.0] = 1.0
+        _, sizes, rows = np.linalg.svd(J / norms, full_matrices=False)
+        told = sizes > LEAST_SINGULAR_VALUE * sizes.max(initial=0.0)
+        # The pseudo-inverse: directions that no sample sees would divide by rounding.
+        scaled = rows[told].T / sizes[told]
+        covariance = scaled @ scaled.T / np.outer(norms, norms)
+        if not self._series[0].sigma:
+            covariance *= residuals @ residuals / max(len(residuals) - k, 1)
+        deviations = np.sqrt(np.diag(covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            correlation = covariance / np.outer(deviations, deviations)
+        # What a direction that no sample sees has a part in is not known at all.
+        unseen = (np.abs(rows[~told]) > np.sqrt(LEAST_SINGULAR_VALUE)).any(axis=0)
+        deviations[unseen] = np.inf
+        return correlation, deviations, int(told.sum())
+
+    def _values(self, inner: Array) -> dict[str, float]:
+        pairs = zip(self._axes, inner.tolist(), strict=True)
+        return {axis.name: axis.outer(x) for axis, x in pairs if axis.name != SHIFT_NAME}
+
+    def _shift(self, inner: Array) -> float:
+        return float(inner[-1]) if self._has_shift else 0.0
+
+    def _residuals_at(self, values: Mapping[str, float], shift: float) -> Array:
+        """(n,), infinite where the run fails: the search then takes a shorter step."""
+        try:
+            return np.concatenate(
+                [
+                    weight * (np.interp(one.time - shift, time, samples) - one.values)
+                    for one, weight, (time, samples) in self._compared(values)
+                ]
+            )
+        except Simulation().failures as error:
+            self._failure = str(error)
+            return np.full(self._n, np.inf)
+
+    def _by_shift(self, values: Mapping[str, float], shift: float) -> Array:
+        return np.concatenate(
+            [
+                -weight * np.interp(one.time - shift, time, np.gradient(samples, time))
+                for one, weight, (time, samples) in self._compared(values)
+            ]
+        )
+
+    def _compared(
+        self, values: Mapping[str, float]
+    ) -> Iterator[tuple[MeasuredSeries, float, tuple[Array, Array]]]:
+        """Each series with its weight and what a run has in its place."""
+        # The search asks for the residuals, and then for the derivatives there.
+        if self._last is None or self._last[0] != values:
+            self._last = dict(values), self._run(values)
+        yield from zip(self._series, self._weights, self._last[1], strict=True)
+
+    def _run(self, values: Mapping[str, float]) -> list[tuple[Array, Array]]:
+        self.runs += 1
+        with warnings.catch_warnings():
+            # The run at the start has told them.
+            warnings.simplefilter("ignore", ValidityWarning)
+            results = simulate(self._family.make(values))
+        return [sampled_over(results, one.name, one.quantity) for one in self._series]
