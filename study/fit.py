@@ -101,9 +101,10 @@ def fit(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = No
     Parameters
     ----------
     path : path
-        A study file with `model`, `parameters` and [fit]: see docs/studies.md. A parameter begins at
-        its number, the mean of its normal distribution, or the value of the model file; uniform
-        and log_uniform ranges are bounds, the latter with steps in the logarithm.
+        A study file with `model`, `parameters` and [fit], as docs/studies.md describes it. A
+        parameter begins at its number, the mean of its normal distribution, or the value of the
+        model file; uniform and log_uniform ranges are bounds, the latter with steps in the
+        logarithm.
     output : path, optional
         The model file with the fitted values, by default none.
 
@@ -261,6 +262,7 @@ class _Problem:
         residuals, J = self.residuals(inner), self.jacobian(inner)
         outer = [axis.outer(x) for axis, x in zip(self._axes, inner.tolist(), strict=True)]
         slopes = np.array([a.slope(x) for a, x in zip(self._axes, outer, strict=True)])
+        # By the parameters themselves, not as the search scales them.
         correlation, deviations, rank = self._covariance(J / slopes, residuals)
         parameters = tuple(
             FittedParameter(axis.name, axis.start, value, deviation, bool(at_bound))
