@@ -1,0 +1,9 @@
+"""CAD files: their solids, holes and faces, and meshes of them.
+
+gmsh reads and meshes them, in a process of its own (`worker.py`), which alone imports it.
+"""
+
+from .errors import CadError
+from .reading import Geometry, is_cad, knows_unit, mesh_solid, solids_of
+
+__all__ = ["CadError", "Geometry", "is_cad", "knows_unit", "mesh_solid", "solids_of"]

@@ -1,0 +1,121 @@
+"""CAD files: what their solids have, and meshes of them, by gmsh in a process of its own."""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ..files import require_regular
+from .errors import CadError
+from .feature import Feature
+from .picking import Pick
+from .quality import Quality
+
+MILLIMETER = 1e-3
+"""The unit to which what STEP and IGES say of theirs is turned [m]."""
+UNITS_KNOWN = (".step", ".stp", ".iges", ".igs")
+UNITS_UNKNOWN = (".brep",)
+SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What a mesh was made of: the solid by its name, its features, and by which gmsh; its quality.
+
+    """
+
+    solid: str
+    features: tuple[Feature, ...]
+    quality: Quality
+    gmsh: str
+
+
+def is_cad(path: Path) -> bool:
+    """Whether a file is one of CAD, by its suffix."""
+    return path.suffix.lower() in SUFFIXES
+
+
+def knows_unit(path: Path) -> bool:
+    """Whether a CAD file says its unit of length; those of Open CASCADE's own format do not."""
+    return path.suffix.lower() in UNITS_KNOWN
+
+
+def solids_of(path: Path, unit: float | None = None) -> dict[str, tuple[Feature, ...]]:
+    """The solids of a file by their names, and what each one has, in meters.
+
+    unit [m]: of a file that does not say it. `CadError` names the file.
+    """
+    answer = _asked(path, {"unit": _unit(path, unit), "mesh": None})
+    return {
+        name: tuple(map(Feature.of, tables)) for name, tables in answer["solids"].items()
+    }
+
+
+def mesh_solid(
+    path: Path,
+    target: Path,
+    size: float,
+    picks: Sequence[Pick] = (),
+    *,
+    solid: str | None = None,
+    unit: float | None = None,
+) -> tuple[Geometry, float]:
+    """Mesh a solid with tetrahedra of ten nodes into a file of gmsh; what it is, and its unit [m].
+
+    size [m]: of elements; picks: groups of facets, and sizes elsewhere; solid: the name of one of
+    several; unit [m]: of a file that does not say it. The same file, sizes and version of gmsh make
+    the same mesh. `CadError` names the file, and the pick.
+    """
+    in_file = _unit(path, unit)
+    asked = {"unit": in_file, "mesh": str(target), "size": size, "solid": solid}
+    answer = _asked(path, {**asked, "picks": [asdict(pick) for pick in picks]})
+    features = tuple(map(Feature.of, answer["features"]))
+    geometry = Geometry(answer["solid"], features, Quality(**answer["quality"]), answer["gmsh"])
+    return geometry, in_file
+
+
+def _unit(path: Path, unit: float | None) -> float:
+    if knows_unit(path):
+        return MILLIMETER
+    if unit is None:
+        raise CadError(f"{path}: expected its unit of length [m], which {path.suffix} does not say")
+    return unit
+
+
+def _asked(path: Path, asked: dict[str, Any]) -> dict[str, Any]:
+    """The answer of a process with gmsh to what is asked of a file."""
+    if find_spec("gmsh") is None:
+        raise CadError(f"{path}: CAD files need gmsh: pip install 'duhamel[cad]'")
+    try:
+        require_regular(path)
+    except FileNotFoundError as error:
+        raise CadError(f"{path}: no such CAD file") from error
+    with tempfile.TemporaryDirectory() as folder:
+        request, reply = Path(folder, "request.json"), Path(folder, "reply.json")
+        request.write_text(json.dumps({**asked, "path": str(path.resolve())}), encoding="utf-8")
+        # -P: without it Python imports first what lies in the folder that the user is in.
+        command = [sys.executable, "-P", "-m", f"{__package__}.worker", str(request), str(reply)]
+        ended = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+        )
+        if ended.returncode or not reply.is_file():
+            raise CadError(f"{path}: {_crash(ended)}")
+        answer: dict[str, Any] = json.loads(reply.read_text(encoding="utf-8"))
+    if "error" in answer:
+        raise CadError(f"{path}: {answer['error']}")
+    return answer
+
+
+def _crash(ended: subprocess.CompletedProcess[str]) -> str:
+    """Why the process with gmsh did not answer, from its last line or the signal that ended it."""
+    if ended.returncode < 0:
+        name = signal.Signals(-ended.returncode).name
+        return f"gmsh crashed on it ({name}): damaged, or more than the memory holds"
+    last = (ended.stderr.strip().splitlines() or [f"exit code {ended.returncode}"])[-1]
+    return f"gmsh cannot be loaded: {last}"

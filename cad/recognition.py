@@ -1,0 +1,142 @@
+"""Holes, shafts, planes and curved faces of the solid that gmsh holds."""
+
+from dataclasses import dataclass
+
+import gmsh
+import numpy as np
+
+from ..superelement.validation import Array
+from .feature import Feature, FeatureKind, Point
+from .session import size_of
+from .surfaces import Cylinder, Plane, Simple, fitted, largest_gap, same
+
+GRIDS = (5, 17)
+"""Parameters a side at which a face is looked at; the finer ones where it is much cut away."""
+EDGE_POINTS = 33
+FULL_GAP = 0.99 * np.pi
+"""Angle that a hole may be open by: just less than half a turn, which the ends of slots have."""
+PROBES = (1e-3, 1e-4, 1e-5)
+"""Steps off a face, over the root of its area, that tell inside from outside."""
+ORDER: dict[FeatureKind, int] = {"hole": 0, "shaft": 1, "plane": 2, "curved": 3}
+
+
+@dataclass(frozen=True, eq=False)
+class _Face:
+    """A face of the CAD file: its surface, a point on it, points of its edges (n, 3)."""
+
+    tag: int
+    surface: Simple | None
+    near: Array
+    center: Array
+    area: float
+    edges: tuple[int, ...]
+
+
+def features_of(solid: int) -> list[Feature]:
+    """The features of a solid, in the unit of the session: holes, shafts, planes, curved faces."""
+    size = size_of(solid)
+    tags = [tag for _, tag in gmsh.model.getBoundary([(3, solid)], oriented=False)]
+    faces = [_face(solid, tag, size) for tag in sorted(tags)]
+    found = [_feature(group) for group in _joined(faces, size)]
+    found.sort(key=lambda feature: (ORDER[feature.kind], feature.faces))
+    return [_numbered(feature, number) for number, feature in enumerate(found, 1)]
+
+
+def _face(solid: int, tag: int, size: float) -> _Face:
+    area = float(gmsh.model.occ.getMass(2, tag))
+    center = np.array(gmsh.model.occ.getCenterOfMass(2, tag))
+    (u_low, v_low), (u_high, v_high) = gmsh.model.getParametrizationBounds(2, tag)
+    for n in GRIDS:
+        # At the middles of cells: bounds are edges, and poles of spheres have no normal.
+        at = (np.arange(n) + 0.5) / n
+        u, v = np.meshgrid(u_low + at * (u_high - u_low), v_low + at * (v_high - v_low))
+        parameters = np.column_stack([u.ravel(), v.ravel()])
+        points = np.reshape(gmsh.model.getValue(2, tag, parameters.ravel()), (-1, 3))
+        on_face = _nearest_on_face(tag, parameters, points, center)
+        if on_face is not None:
+            break
+    normals = np.reshape(gmsh.model.getNormal(tag, parameters.ravel()), (-1, 3))
+    at_face = 0 if on_face is None else on_face
+    outward = _outward(solid, points[at_face], normals[at_face], np.sqrt(area))
+    edges = gmsh.model.getBoundary([(2, tag)], combined=False, oriented=False)
+    return _Face(
+        tag,
+        fitted(points, outward * normals, size),
+        points[at_face],
+        center,
+        area,
+        tuple(sorted({edge for _, edge in edges})),
+    )
+
+
+def _nearest_on_face(tag: int, parameters: Array, points: Array, center: Array) -> int | None:
+    """The point on the face, not on what is cut away of its surface, nearest to the center."""
+    for row in np.argsort(np.linalg.norm(points - center, axis=1), kind="stable").tolist():
+        if gmsh.model.isInside(2, tag, parameters[row].tolist(), parametric=True):
+            return int(row)
+    return None
+
+
+def _outward(solid: int, point: Array, normal: Array, length: float) -> float:
+    """1 where a normal leads out of the solid, -1 where it leads into it."""
+    # CAD files may turn the surface below a face, so that its own normal tells nothing.
+    for step in PROBES:
+        ahead, behind = (
+            gmsh.model.isInside(3, solid, (point + side * step * length * normal).tolist())
+            for side in (1.0, -1.0)
+        )
+        if bool(ahead) != bool(behind):
+            return -1.0 if ahead else 1.0
+    return 1.0
+
+
+def _joined(faces: list[_Face], size: float) -> list[list[_Face]]:
+    """Faces that share an edge and a surface, together: exporters split cylinders in halves."""
+    groups = [[face] for face in faces]
+    by_tag = {face.tag: group for face, group in zip(faces, groups, strict=True)}
+    neighbors: dict[int, list[_Face]] = {}
+    for face in faces:
+        for edge in face.edges:
+            for other in neighbors.setdefault(edge, []):
+                one, two = by_tag[other.tag], by_tag[face.tag]
+                if one is not two and same(face.surface, other.surface, size):
+                    one.extend(two)
+                    by_tag.update({member.tag: one for member in two})
+            neighbors[edge].append(face)
+    kept = {id(group): group for group in by_tag.values()}
+    return list(kept.values())
+
+
+def _feature(faces: list[_Face]) -> Feature:
+    surface, largest = faces[0].surface, max(faces, key=lambda face: face.area)
+    area = sum(face.area for face in faces)
+    center = np.asarray(sum(face.area * face.center for face in faces)) / area
+    kind: FeatureKind = "curved"
+    axis, radius, length = np.zeros(3), 0.0, 0.0
+    if isinstance(surface, Plane):
+        kind, axis = "plane", surface.normal
+    elif isinstance(surface, Cylinder):
+        rim = np.concatenate([_edge_points(edge) for face in faces for edge in face.edges])
+        if largest_gap(rim, surface) < FULL_GAP:
+            kind = "hole" if surface.radius < 0.0 else "shaft"
+            along = (rim - surface.point) @ surface.axis
+            center = surface.point + 0.5 * float(along.min() + along.max()) * surface.axis
+            axis, radius, length = surface.axis, abs(surface.radius), float(np.ptp(along))
+    near = center if kind == "hole" else largest.near
+    tags = tuple(sorted(face.tag for face in faces))
+    return Feature(0, kind, _point(center), _point(near), _point(axis), radius, length, area, tags)
+
+
+def _edge_points(edge: int) -> Array:
+    (low,), (high,) = gmsh.model.getParametrizationBounds(1, edge)
+    points = gmsh.model.getValue(1, edge, np.linspace(low, high, EDGE_POINTS).tolist())
+    return np.reshape(points, (-1, 3))
+
+
+def _point(values: Array) -> Point:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def _numbered(feature: Feature, number: int) -> Feature:
+    return Feature(**feature.__dict__ | {"number": number})
