@@ -8,7 +8,7 @@ import numpy as np
 from ..superelement.validation import Array
 from .feature import Feature, FeatureKind, Point
 from .session import size_of
-from .surfaces import Cylinder, Plane, Simple, fitted, largest_gap, same
+from .surfaces import RoundSurface, FlatSurface, Simple, fitted, largest_gap, same
 
 GRIDS = (5, 17)
 """Parameters a side at which a face is looked at; the finer ones where it is much cut away."""
@@ -113,9 +113,9 @@ def _feature(faces: list[_Face]) -> Feature:
     center = np.asarray(sum(face.area * face.center for face in faces)) / area
     kind: FeatureKind = "curved"
     axis, radius, length = np.zeros(3), 0.0, 0.0
-    if isinstance(surface, Plane):
+    if isinstance(surface, FlatSurface):
         kind, axis = "plane", surface.normal
-    elif isinstance(surface, Cylinder):
+    elif isinstance(surface, RoundSurface):
         rim = np.concatenate([_edge_points(edge) for face in faces for edge in face.edges])
         if largest_gap(rim, surface) < FULL_GAP:
             kind = "hole" if surface.radius < 0.0 else "shaft"

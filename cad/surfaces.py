@@ -15,7 +15,7 @@ LEAST_ARC = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Plane:
+class FlatSurface:
     """normal (3,): outward; offset: normal . X of its points."""
 
     normal: Array
@@ -23,7 +23,7 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
-class Cylinder:
+class RoundSurface:
     """point (3,): on the axis; axis (3,): a unit vector; radius: negative if seen from inside."""
 
     point: Array
@@ -31,7 +31,7 @@ class Cylinder:
     radius: float
 
 
-Simple = Plane | Cylinder
+Simple = FlatSurface | RoundSurface
 
 
 def fitted(points: Array, normals: Array, size: float) -> Simple | None:
@@ -46,11 +46,11 @@ def fitted(points: Array, normals: Array, size: float) -> Simple | None:
     if np.linalg.norm(N - N[0], axis=1).max() <= NORMAL_TOLERANCE:
         heights = X @ N[0]
         flat = np.ptp(heights) <= POSITION_TOLERANCE * size
-        return Plane(N[0], float(heights.mean())) if flat else None
+        return FlatSurface(N[0], float(heights.mean())) if flat else None
     return _cylinder(X, N, size)
 
 
-def _cylinder(X: Array, N: Array, size: float) -> Cylinder | None:
+def _cylinder(X: Array, N: Array, size: float) -> RoundSurface | None:
     """X = point + radius n + z axis, with n the normals, all across the axis."""
     _, spread, directions = np.linalg.svd(N)
     axis = directions[2]
@@ -62,7 +62,7 @@ def _cylinder(X: Array, N: Array, size: float) -> Cylinder | None:
     found, *_ = np.linalg.lstsq(rows, x, rcond=None)
     if np.abs(rows @ found - x).max() > POSITION_TOLERANCE * size:
         return None
-    return Cylinder(found[:2] @ across, _signed(axis), float(found[2]))
+    return RoundSurface(found[:2] @ across, _signed(axis), float(found[2]))
 
 
 def _signed(axis: Array) -> Array:
@@ -74,10 +74,10 @@ def _signed(axis: Array) -> Array:
 
 def same(one: Simple | None, other: Simple | None, size: float) -> bool:
     """Whether two surfaces are one that was split."""
-    if isinstance(one, Plane) and isinstance(other, Plane):
+    if isinstance(one, FlatSurface) and isinstance(other, FlatSurface):
         parallel = np.linalg.norm(one.normal - other.normal) <= NORMAL_TOLERANCE
         return bool(parallel and abs(one.offset - other.offset) <= POSITION_TOLERANCE * size)
-    if isinstance(one, Cylinder) and isinstance(other, Cylinder):
+    if isinstance(one, RoundSurface) and isinstance(other, RoundSurface):
         between = other.point - one.point
         apart = np.linalg.norm(between - (between @ one.axis) * one.axis)
         return bool(
@@ -87,7 +87,7 @@ def same(one: Simple | None, other: Simple | None, size: float) -> bool:
     return False
 
 
-def largest_gap(points: Array, cylinder: Cylinder) -> float:
+def largest_gap(points: Array, cylinder: RoundSurface) -> float:
     """The largest angle [rad] about the axis of a cylinder in which none of the points (n, 3) is."""
     # Any direction across the axis serves as zero.
     across = np.linalg.svd(cylinder.axis[None])[2][1:]

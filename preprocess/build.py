@@ -219,7 +219,7 @@ def superelement_of(
             mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(structure.solvers),
+            versions=_versions(structure.solvers, source),
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),
@@ -269,8 +269,11 @@ def _surfaces(structure: Structure, responses: ImpulseResponses) -> Surfaces | N
     return surfaces
 
 
-def _versions(solvers: list[str]) -> dict[str, str]:
+def _versions(solvers: list[str], source: Source) -> dict[str, str]:
     versions = {name: metadata.version(name) for name in STATED_PACKAGES}
+    # Of a CAD file: another version of gmsh makes another mesh.
+    if source.geometry is not None:
+        versions["gmsh"] = source.geometry.gmsh
     if solvers:
         versions["factorization"] = ", ".join(dict.fromkeys(solvers))
     return versions
