@@ -41,13 +41,10 @@ class Feature:
 
     def scaled(self, unit: float) -> "Feature":
         """The feature in meters, of one in a unit of length [m]."""
-        table = asdict(self)
-        for key in ("center", "near"):
-            table[key] = tuple(unit * x for x in table[key])
-        return Feature(
-            **table | {"radius": unit * self.radius, "length": unit * self.length}
-            | {"area": unit**2 * self.area}
-        )
+        lengths = {key: _times(unit, getattr(self, key)) for key in ("center", "near")}
+        radius, length = _times(unit, (self.radius, self.length))
+        (area,) = _times(unit**2, (self.area,))
+        return Feature(**{**asdict(self), **lengths, "radius": radius, "length": length, "area": area})
 
     def depth(self, point: Array) -> float:
         """Distance of a point (3,) from the cylinder that the feature is, filled; 0 within."""
@@ -57,22 +54,26 @@ class Feature:
         beyond = max(along - 0.5 * self.length, 0.0), max(across - self.radius, 0.0)
         return float(np.hypot(*beyond))
 
+    @property
+    def key(self) -> str:
+        """The line of a body file that picks it."""
+        near = list(self.near)
+        if self.kind == "hole":
+            return f"hole = {{near = {near}, radius = {self.radius:.6g}}}"
+        return f"face = {{near = {near}}}"
+
     def __str__(self) -> str:
         """In words, for lists in messages."""
         if self.kind in ("hole", "shaft"):
             return (
-                f"{self.kind} of radius {self.radius:.6g} at {_listed(self.center)} along "
-                f"{_listed(self.axis)}"
+                f"{self.kind} of radius {self.radius:.6g} at {list(self.center)} along "
+                f"{list(self.axis)}"
             )
         if self.kind == "plane":
-            return f"plane near {_listed(self.near)} with normal {_listed(self.axis)}"
-        return f"curved face near {_listed(self.near)}"
+            return f"plane near {list(self.near)} with normal {list(self.axis)}"
+        return f"curved face near {list(self.near)}"
 
 
-def rounded(point: Point) -> list[float]:
-    """Coordinates to a micrometer of a meter-sized part and better, without the sign of zero."""
-    return [round(x, 7) + 0.0 for x in point]
-
-
-def _listed(point: Point) -> str:
-    return str(rounded(point))
+def _times(factor: float, values: tuple[float, ...]) -> tuple[float, ...]:
+    """Products without the rounding of their last digits, which nobody wants to copy."""
+    return tuple(float(f"{factor * value:.10g}") for value in values)

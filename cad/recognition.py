@@ -17,6 +17,7 @@ FULL_GAP = 0.99 * np.pi
 """Angle that a hole may be open by: just less than half a turn, which the ends of slots have."""
 PROBES = (1e-3, 1e-4, 1e-5)
 """Steps off a face, over the root of its area, that tell inside from outside."""
+LISTED_DIGITS = 7
 ORDER: dict[FeatureKind, int] = {"hole": 0, "shaft": 1, "plane": 2, "curved": 3}
 
 
@@ -37,7 +38,7 @@ def features_of(solid: int) -> list[Feature]:
     size = size_of(solid)
     tags = [tag for _, tag in gmsh.model.getBoundary([(3, solid)], oriented=False)]
     faces = [_face(solid, tag, size) for tag in sorted(tags)]
-    found = [_feature(group) for group in _joined(faces, size)]
+    found = [_feature(group, size) for group in _joined(faces, size)]
     found.sort(key=lambda feature: (ORDER[feature.kind], feature.faces))
     return [_numbered(feature, number) for number, feature in enumerate(found, 1)]
 
@@ -107,7 +108,7 @@ def _joined(faces: list[_Face], size: float) -> list[list[_Face]]:
     return list(kept.values())
 
 
-def _feature(faces: list[_Face]) -> Feature:
+def _feature(faces: list[_Face], size: float) -> Feature:
     surface, largest = faces[0].surface, max(faces, key=lambda face: face.area)
     area = sum(face.area for face in faces)
     center = np.asarray(sum(face.area * face.center for face in faces)) / area
@@ -124,7 +125,8 @@ def _feature(faces: list[_Face]) -> Feature:
             axis, radius, length = surface.axis, abs(surface.radius), float(np.ptp(along))
     near = center if kind == "hole" else largest.near
     tags = tuple(sorted(face.tag for face in faces))
-    return Feature(0, kind, _point(center), _point(near), _point(axis), radius, length, area, tags)
+    places = (_point(values, step) for values, step in ((center, size), (near, size), (axis, 1.0)))
+    return Feature(0, kind, *places, radius, length, area, tags)
 
 
 def _edge_points(edge: int) -> Array:
@@ -133,8 +135,10 @@ def _edge_points(edge: int) -> Array:
     return np.reshape(points, (-1, 3))
 
 
-def _point(values: Array) -> Point:
-    x, y, z = (float(value) for value in values)
+def _point(values: Array, size: float) -> Point:
+    """Three numbers without their rounding, below 1e-7 of a size, and without the sign of zero."""
+    decimals = LISTED_DIGITS - int(np.floor(np.log10(size)))
+    x, y, z = (np.round(values, decimals) + 0.0).tolist()
     return x, y, z
 
 

@@ -215,7 +215,7 @@ def superelement_of(
         channels=channels,
         provenance=Provenance(
             body=body.text,
-            mesh=", ".join(path.name for path in body.files),
+            mesh=_mesh_in_words(body, source),
             mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
@@ -267,6 +267,12 @@ def _surfaces(structure: Structure, responses: ImpulseResponses) -> Surfaces | N
             f"{rest.limit:g} at most: lower impulse.band, or refine the mesh"
         )
     return surfaces
+
+
+def _mesh_in_words(body: Body, source: Source) -> str:
+    """The files of mesh or matrices; of CAD the elements that were made of it."""
+    names = ", ".join(path.name for path in body.files)
+    return names if source.geometry is None else f"{names}: {source.geometry.quality}"
 
 
 def _versions(solvers: list[str], source: Source) -> dict[str, str]:
