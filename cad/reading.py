@@ -16,6 +16,7 @@ from .errors import CadError
 from .feature import Feature
 from .picking import Pick
 from .quality import Quality
+from .solid import Solid
 
 MILLIMETER = 1e-3
 """The unit to which what STEP and IGES say of theirs is turned [m]."""
@@ -46,14 +47,17 @@ def knows_unit(path: Path) -> bool:
     return path.suffix.lower() in UNITS_KNOWN
 
 
-def solids_of(path: Path, unit: float | None = None) -> dict[str, tuple[Feature, ...]]:
-    """The solids of a file by their names, and what each one has, in meters.
+def solids_of(path: Path, unit: float | None = None) -> dict[str, Solid]:
+    """The solids of a file by their names, in meters.
 
     unit [m]: of a file that does not say it. `CadError` names the file.
     """
     answer = _asked(path, {"unit": _unit(path, unit), "mesh": None})
     return {
-        name: tuple(map(Feature.of, tables)) for name, tables in answer["solids"].items()
+        name: Solid(
+            solid["volume"], tuple(solid["center"]), tuple(map(Feature.of, solid["features"]))
+        )
+        for name, solid in answer["solids"].items()
     }
 
 

@@ -38,8 +38,7 @@ def _answer(asked: dict[str, Any]) -> dict[str, Any]:
     with opened(Path(asked["path"])) as solids:
         found: dict[str, Any] = {"gmsh": gmsh.__version__}
         if asked["mesh"] is None:
-            listed = {name: features_of(tag) for name, tag in solids.items()}
-            found["solids"] = {name: _tables(all_, unit) for name, all_ in listed.items()}
+            found["solids"] = {name: _listed(tag, unit) for name, tag in solids.items()}
             return found
         found["solid"], solid = keep_alone(solids, asked["solid"])
         features = features_of(solid)
@@ -47,6 +46,13 @@ def _answer(asked: dict[str, Any]) -> dict[str, Any]:
         picks = [Pick.of(table) for table in asked["picks"]]
         found["quality"] = asdict(_mesh(solid, features, picks, asked, found["solid"]))
         return found
+
+
+def _listed(solid: int, unit: float) -> dict[str, Any]:
+    center = unit * np.array(gmsh.model.occ.getCenterOfMass(3, solid))
+    volume = unit**3 * gmsh.model.occ.getMass(3, solid)
+    features = _tables(features_of(solid), unit)
+    return {"volume": volume, "center": center.tolist(), "features": features}
 
 
 def _tables(features: list[Feature], unit: float) -> list[dict[str, Any]]:
