@@ -10,8 +10,8 @@ from .errors import CadError
 from .quality import Quality
 from .session import size_of
 
-CIRCLE_ELEMENTS = 8
-"""Elements around a circle, whose curved edges then lie within 1e-4 of its radius."""
+CIRCLE_ELEMENTS = 12
+"""Elements around a circle, whose area their curved edges then keep to 5e-5."""
 SMALLEST = 0.25
 """Of the size of elements, that of those which small radii ask for."""
 TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1

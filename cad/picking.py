@@ -12,6 +12,8 @@ from .feature import Feature, Point
 
 RADIUS_TOLERANCE = 0.01
 """By which the radius of a hole may differ, relative: radii are often given to three digits."""
+CLEARLY_NEARER = 0.1
+"""Of the distance of the second nearest, that of a feature that is meant alone."""
 MAX_LISTED = 6
 Distance = Callable[[int, Array], float]
 """of a face of the CAD file, by its number, from a point (3,) [m]"""
@@ -52,9 +54,12 @@ def picked(pick: Pick, features: Sequence[Feature], distance: Distance, size: fl
     gaps = [_gap(pick, feature, distance) for feature in candidates]
     order = np.argsort(gaps, kind="stable").tolist()
     sized = [i for i in order if _fits(pick, candidates[i])]
-    found = [candidates[i] for i in sized if gaps[i] <= pick.tolerance * size]
-    if len(found) == 1:
-        return found[0]
+    within = [i for i in sized if gaps[i] <= pick.tolerance * size]
+    # Narrow faces lie within the tolerance of their neighbors, which are no match for them.
+    clear = len(within) > 1 and gaps[within[0]] < CLEARLY_NEARER * gaps[within[1]]
+    if len(within) == 1 or clear:
+        return candidates[within[0]]
+    found = [candidates[i] for i in within]
     wanted = f"at {list(pick.near)}" + ("" if pick.radius is None else f", radius {pick.radius:g}")
     if found:
         more = " or a radius" if pick.kind == "hole" and pick.radius is None else ""

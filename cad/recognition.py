@@ -17,13 +17,15 @@ FULL_GAP = 0.99 * np.pi
 """Angle that a hole may be open by: just less than half a turn, which the ends of slots have."""
 PROBES = (1e-3, 1e-4, 1e-5)
 """Steps off a face, over the root of its area, that tell inside from outside."""
+EQUAL_CLEARANCE = 1e-2
+"""Difference of distances from edges that is none, relative to the size of the part."""
 LISTED_DIGITS = 7
 ORDER: dict[FeatureKind, int] = {"hole": 0, "shaft": 1, "plane": 2, "curved": 3}
 
 
 @dataclass(frozen=True, eq=False)
 class _Face:
-    """A face of the CAD file: its surface, a point on it, points of its edges (n, 3)."""
+    """A face of the CAD file: its surface, a point on it, its edges, and points of these (n, 3)."""
 
     tag: int
     surface: Simple | None
@@ -31,6 +33,7 @@ class _Face:
     center: Array
     area: float
     edges: tuple[int, ...]
+    rim: Array
 
 
 def features_of(solid: int) -> list[Feature]:
@@ -46,6 +49,9 @@ def features_of(solid: int) -> list[Feature]:
 def _face(solid: int, tag: int, size: float) -> _Face:
     area = float(gmsh.model.occ.getMass(2, tag))
     center = np.array(gmsh.model.occ.getCenterOfMass(2, tag))
+    edges = gmsh.model.getBoundary([(2, tag)], combined=False, oriented=False)
+    edge_tags = tuple(sorted({edge for _, edge in edges}))
+    rim = np.concatenate([np.zeros((0, 3)), *map(_edge_points, edge_tags)])
     (u_low, v_low), (u_high, v_high) = gmsh.model.getParametrizationBounds(2, tag)
     for n in GRIDS:
         # At the middles of cells: bounds are edges, and poles of spheres have no normal.
@@ -53,29 +59,37 @@ def _face(solid: int, tag: int, size: float) -> _Face:
         u, v = np.meshgrid(u_low + at * (u_high - u_low), v_low + at * (v_high - v_low))
         parameters = np.column_stack([u.ravel(), v.ravel()])
         points = np.reshape(gmsh.model.getValue(2, tag, parameters.ravel()), (-1, 3))
-        on_face = _nearest_on_face(tag, parameters, points, center)
+        on_face = _far_from_edges(tag, parameters, points, rim, center, size)
         if on_face is not None:
             break
     normals = np.reshape(gmsh.model.getNormal(tag, parameters.ravel()), (-1, 3))
     at_face = 0 if on_face is None else on_face
     outward = _outward(solid, points[at_face], normals[at_face], np.sqrt(area))
-    edges = gmsh.model.getBoundary([(2, tag)], combined=False, oriented=False)
-    return _Face(
-        tag,
-        fitted(points, outward * normals, size),
-        points[at_face],
-        center,
-        area,
-        tuple(sorted({edge for _, edge in edges})),
-    )
+    surface = fitted(points, outward * normals, size)
+    return _Face(tag, surface, points[at_face], center, area, edge_tags, rim)
 
 
-def _nearest_on_face(tag: int, parameters: Array, points: Array, center: Array) -> int | None:
-    """The point on the face, not on what is cut away of its surface, nearest to the center."""
-    for row in np.argsort(np.linalg.norm(points - center, axis=1), kind="stable").tolist():
-        if gmsh.model.isInside(2, tag, parameters[row].tolist(), parametric=True):
-            return int(row)
-    return None
+def _far_from_edges(
+    tag: int, parameters: Array, points: Array, rim: Array, center: Array, size: float
+) -> int | None:
+    """The point on the face, not on what is cut away of its surface, farthest from its edges.
+
+    Of such points the nearest to the center. On an edge it would be on two faces.
+    """
+    on_face = [
+        row
+        for row, at in enumerate(parameters.tolist())
+        if gmsh.model.isInside(2, tag, at, parametric=True)
+    ]
+    if not on_face:
+        return None
+    X = points[on_face]
+    to_center = np.linalg.norm(X - center, axis=1)
+    if not len(rim):
+        return on_face[int(to_center.argmin())]
+    clear = np.linalg.norm(X[:, None] - rim, axis=2).min(axis=1)
+    clear = np.round(clear / (EQUAL_CLEARANCE * size))
+    return on_face[int(np.lexsort((to_center, -clear))[0])]
 
 
 def _outward(solid: int, point: Array, normal: Array, length: float) -> float:
@@ -117,7 +131,7 @@ def _feature(faces: list[_Face], size: float) -> Feature:
     if isinstance(surface, FlatSurface):
         kind, axis = "plane", surface.normal
     elif isinstance(surface, RoundSurface):
-        rim = np.concatenate([_edge_points(edge) for face in faces for edge in face.edges])
+        rim = np.concatenate([face.rim for face in faces])
         if largest_gap(rim, surface) < FULL_GAP:
             kind = "hole" if surface.radius < 0.0 else "shaft"
             along = (rim - surface.point) @ surface.axis
