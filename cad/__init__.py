@@ -8,4 +8,13 @@ from .feature import Feature
 from .reading import Geometry, is_cad, knows_unit, mesh_solid, solids_of
 from .solid import Solid
 
-__all__ = ["CadError", "Feature", "Geometry", "Solid", "is_cad", "knows_unit", "mesh_solid", "solids_of"]
+__all__ = [
+    "CadError",
+    "Feature",
+    "Geometry",
+    "Solid",
+    "is_cad",
+    "knows_unit",
+    "mesh_solid",
+    "solids_of",
+]

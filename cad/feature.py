@@ -44,7 +44,9 @@ class Feature:
         lengths = {key: _times(unit, getattr(self, key)) for key in ("center", "near")}
         radius, length = _times(unit, (self.radius, self.length))
         (area,) = _times(unit**2, (self.area,))
-        return Feature(**{**asdict(self), **lengths, "radius": radius, "length": length, "area": area})
+        return Feature(
+            **{**asdict(self), **lengths, "radius": radius, "length": length, "area": area}
+        )
 
     def depth(self, point: Array) -> float:
         """Distance of a point (3,) from the cylinder that the feature is, filled; 0 within."""

@@ -12,12 +12,12 @@ from .session import size_of
 
 CIRCLE_ELEMENTS = 12
 """Elements around a circle, whose area their curved edges then keep to 5e-5."""
-SMALLEST = 0.25
+SMALLEST_SHARE = 0.25
 """Of the size of elements, that of those which small radii ask for."""
 TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1
 MAX_ELEMENTS = 5e6
 """Expected number above which a size is taken for a mistake."""
-TETRA10 = 11  # as gmsh numbers types
+TEN_NODE_TYPE = 11  # as gmsh numbers types
 DOUBTFUL_JACOBIAN = 0.1
 """Smallest over largest Jacobian of a curved element below which it is optimized."""
 
@@ -32,7 +32,7 @@ def mesh(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> Qu
     smallest = min((size, *sizes.values()))
     for option, value in {
         "Mesh.MeshSizeMax": size,
-        "Mesh.MeshSizeMin": SMALLEST * smallest,
+        "Mesh.MeshSizeMin": SMALLEST_SHARE * smallest,
         "Mesh.MeshSizeFromCurvature": CIRCLE_ELEMENTS,
         "Mesh.ElementOrder": 2,
         "Mesh.MshFileVersion": 4.1,
@@ -47,9 +47,7 @@ def mesh(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> Qu
     elements, jacobians = _jacobians()
     _check_folded(elements, jacobians, unit)
     shapes = gmsh.model.mesh.getElementQualities(elements, "gamma")
-    return Quality(
-        len(elements), float(shapes.min()), float(shapes.mean()), float(jacobians.min())
-    )
+    return Quality(len(elements), float(shapes.min()), float(shapes.mean()), float(jacobians.min()))
 
 
 def _check_sizes(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> None:
@@ -86,7 +84,7 @@ def _refine(sizes: Mapping[int, float]) -> None:
 
 def _jacobians() -> tuple[Array, Array]:
     """Numbers of the tetrahedra, and the smallest over the largest Jacobian in each."""
-    elements, _ = gmsh.model.mesh.getElementsByType(TETRA10)
+    elements, _ = gmsh.model.mesh.getElementsByType(TEN_NODE_TYPE)
     if not len(elements):
         raise CadError("gmsh has made no element of the solid: try another size")
     return elements, np.asarray(gmsh.model.mesh.getElementQualities(elements, "minSJ"))

@@ -18,18 +18,16 @@ from .picking import Pick
 from .quality import Quality
 from .solid import Solid
 
-MILLIMETER = 1e-3
+UNIT_READ = 1e-3
 """The unit to which what STEP and IGES say of theirs is turned [m]."""
 UNITS_KNOWN = (".step", ".stp", ".iges", ".igs")
 UNITS_UNKNOWN = (".brep",)
-SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
+CAD_SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """What a mesh was made of: the solid by its name, its features, and by which gmsh; its quality.
-
-    """
+    """What a mesh was made of, a solid with its features, by which gmsh, and how well."""
 
     solid: str
     features: tuple[Feature, ...]
@@ -39,7 +37,7 @@ class Geometry:
 
 def is_cad(path: Path) -> bool:
     """Whether a file is one of CAD, by its suffix."""
-    return path.suffix.lower() in SUFFIXES
+    return path.suffix.lower() in CAD_SUFFIXES
 
 
 def knows_unit(path: Path) -> bool:
@@ -86,9 +84,11 @@ def mesh_solid(
 
 def _unit(path: Path, unit: float | None) -> float:
     if knows_unit(path):
-        return MILLIMETER
+        return UNIT_READ
     if unit is None:
-        raise CadError(f"{path}: expected its unit of length [m], which {path.suffix} does not say")
+        raise CadError(
+            f"{path}: expected scale, its unit of length [m], which {path.suffix} files do not say"
+        )
     return unit
 
 

@@ -8,19 +8,19 @@ import numpy as np
 from ..superelement.validation import Array
 from .feature import Feature, FeatureKind, Point
 from .session import size_of
-from .surfaces import RoundSurface, FlatSurface, Simple, fitted, largest_gap, same
+from .surfaces import FlatSurface, RoundSurface, Simple, fitted, largest_gap, same
 
-GRIDS = (5, 17)
+GRID_SIDES = (5, 17)
 """Parameters a side at which a face is looked at; the finer ones where it is much cut away."""
 EDGE_POINTS = 33
 FULL_GAP = 0.99 * np.pi
 """Angle that a hole may be open by: just less than half a turn, which the ends of slots have."""
-PROBES = (1e-3, 1e-4, 1e-5)
+PROBE_STEPS = (1e-3, 1e-4, 1e-5)
 """Steps off a face, over the root of its area, that tell inside from outside."""
 EQUAL_CLEARANCE = 1e-2
 """Difference of distances from edges that is none, relative to the size of the part."""
 LISTED_DIGITS = 7
-ORDER: dict[FeatureKind, int] = {"hole": 0, "shaft": 1, "plane": 2, "curved": 3}
+KIND_ORDER: dict[FeatureKind, int] = {"hole": 0, "shaft": 1, "plane": 2, "curved": 3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def features_of(solid: int) -> list[Feature]:
     tags = [tag for _, tag in gmsh.model.getBoundary([(3, solid)], oriented=False)]
     faces = [_face(solid, tag, size) for tag in sorted(tags)]
     found = [_feature(group, size) for group in _joined(faces, size)]
-    found.sort(key=lambda feature: (ORDER[feature.kind], feature.faces))
+    found.sort(key=lambda feature: (KIND_ORDER[feature.kind], feature.faces))
     return [_numbered(feature, number) for number, feature in enumerate(found, 1)]
 
 
@@ -53,7 +53,7 @@ def _face(solid: int, tag: int, size: float) -> _Face:
     edge_tags = tuple(sorted({edge for _, edge in edges}))
     rim = np.concatenate([np.zeros((0, 3)), *map(_edge_points, edge_tags)])
     (u_low, v_low), (u_high, v_high) = gmsh.model.getParametrizationBounds(2, tag)
-    for n in GRIDS:
+    for n in GRID_SIDES:
         # At the middles of cells: bounds are edges, and poles of spheres have no normal.
         at = (np.arange(n) + 0.5) / n
         u, v = np.meshgrid(u_low + at * (u_high - u_low), v_low + at * (v_high - v_low))
@@ -95,7 +95,7 @@ def _far_from_edges(
 def _outward(solid: int, point: Array, normal: Array, length: float) -> float:
     """1 where a normal leads out of the solid, -1 where it leads into it."""
     # CAD files may turn the surface below a face, so that its own normal tells nothing.
-    for step in PROBES:
+    for step in PROBE_STEPS:
         ahead, behind = (
             gmsh.model.isInside(3, solid, (point + side * step * length * normal).tolist())
             for side in (1.0, -1.0)

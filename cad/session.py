@@ -10,11 +10,9 @@ import numpy as np
 
 from .errors import CadError
 
-MILLIMETER = 1e-3
-"""The unit in which Open CASCADE works, to which it turns what STEP and IGES say of theirs [m]."""
 SEWING_TOLERANCE = 1e-5
 """Width of gaps between the faces of IGES that are closed, relative to the size of the part."""
-OPTIONS = {
+SESSION_OPTIONS = {
     "General.Terminal": 0,
     # More threads would number nodes in an order of their own in each run.
     "General.NumThreads": 1,
@@ -28,7 +26,7 @@ def opened(path: Path) -> Iterator[dict[str, int]]:
     # Files of the user's folder would change meshes from one machine to the next.
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
-        for option, value in OPTIONS.items():
+        for option, value in SESSION_OPTIONS.items():
             gmsh.option.setNumber(option, value)
         _import(path)
         yield _solids()

@@ -88,7 +88,7 @@ def same(one: Simple | None, other: Simple | None, size: float) -> bool:
 
 
 def largest_gap(points: Array, cylinder: RoundSurface) -> float:
-    """The largest angle [rad] about the axis of a cylinder in which none of the points (n, 3) is."""
+    """The largest angle [rad] about the axis in which none of the points (n, 3) is."""
     # Any direction across the axis serves as zero.
     across = np.linalg.svd(cylinder.axis[None])[2][1:]
     x, y = ((points - cylinder.point) @ across.T).T

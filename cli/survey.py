@@ -61,9 +61,7 @@ def scene(survey: Survey) -> Scene:
         Marker(name, np.array(sensor.point), has_axes=False)
         for name, sensor in survey.body.sensors.items()
     ]
-    masses += [
-        _number(feature) for feature in _numbered_features(survey)
-    ]
+    masses += [_number(feature) for feature in _numbered_features(survey)]
     if facets is None:
         # Lines do not show which way a section is turned: its axes do.
         lines = mesh.points[mesh.cells["line"]]
@@ -79,7 +77,7 @@ def _number(feature: Feature) -> Marker:
 
 
 def features_to_copy(survey: Survey) -> Iterator[str]:
-    """Holes, shafts and planes of a CAD file, as lines of a body file with the picture's numbers."""
+    """Holes, shafts and planes of a CAD file, as lines to copy with the numbers of the picture."""
     features = _numbered_features(survey)
     if features:
         yield "holes and faces by their numbers in the picture, to copy:"
@@ -98,7 +96,7 @@ def _feature_in_words(feature: Feature) -> str:
 
 
 def _numbered_features(survey: Survey) -> list[Feature]:
-    """The holes and shafts, then the largest planes of a CAD file, in the order of their numbers."""
+    """The holes and shafts, then the largest planes of a CAD file, by their numbers."""
     geometry = survey.mesh.geometry
     found = () if geometry is None else geometry.features
     kept = [feature for feature in found if feature.kind != "curved"]

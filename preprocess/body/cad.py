@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from pydantic import PositiveFloat
 
@@ -10,9 +10,6 @@ from ...cad import is_cad, knows_unit
 from ...cad.picking import Pick
 from ...inputs import Table, rule
 from .selection import FEATURE_KEYS, Face, Hole, Selection
-
-if TYPE_CHECKING:
-    from .body import Body
 
 SELECTING_TABLES = ("interfaces", "surfaces", "masses", "loads")
 
@@ -31,7 +28,17 @@ class FaceSize(Table):
             raise ValueError(f"expected hole or face, found {' and '.join(found) or 'neither'}")
 
 
-def check_cad(body: "Body") -> None:
+class CadKeys(Protocol):
+    """The keys of a body file that a CAD file has to do with."""
+
+    mesh: Any
+    size: float | None
+    sizes: dict[str, FaceSize]
+    solid: str | None
+    model_fields_set: set[str]
+
+
+def check_cad(body: CadKeys) -> None:
     """ValueError for keys of CAD files beside other meshes, and the other way round."""
     path = body.mesh if isinstance(body.mesh, Path) else None
     if path is None or not is_cad(path):
@@ -63,7 +70,7 @@ def check_cad(body: "Body") -> None:
             )
 
 
-def picks_of(body: "Body") -> list[Pick]:
+def picks_of(body: CadKeys) -> list[Pick]:
     """What a body picks of its CAD file: a group for each hole and face, and sizes."""
     picks: dict[str, Pick] = {}
     for table, name, key, selection in _features(body):
@@ -79,7 +86,7 @@ def picks_of(body: "Body") -> list[Pick]:
     return [*picks.values(), *sizes]
 
 
-def _features(body: "Body") -> Iterator[tuple[str, str, str, Selection]]:
+def _features(body: CadKeys) -> Iterator[tuple[str, str, str, Selection]]:
     """Table, name and key of each selection of a hole or face."""
     for table in SELECTING_TABLES:
         for name, selection in getattr(body, table).items():

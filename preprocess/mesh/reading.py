@@ -43,8 +43,8 @@ _NO_MESH = {
     ),
     **dict.fromkeys(
         _OF_CAD,
-        "is geometry of a CAD program, no mesh: save it as STEP, which body files may name, or save "
-        "a mesh as .inp or .bdf there",
+        "is geometry of a CAD program, no mesh: save it as STEP, which body files may name, or "
+        "save a mesh as .inp or .bdf there",
     ),
     ".mnf": "is a modal neutral file, which has modes and no stiffness: take the mesh that it was "
     "made from, or stiffness and mass matrices ([matrices])",
