@@ -37,16 +37,20 @@ class Feature:
     @classmethod
     def of(cls, table: dict[str, Any]) -> "Feature":
         """The feature that `asdict` has turned into a table, and JSON into lists."""
-        return cls(**{k: tuple(v) if isinstance(v, list) else v for k, v in table.items()})
+        values: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in table.items()
+        }
+        return cls(**values)
 
     def scaled(self, unit: float) -> "Feature":
         """The feature in meters, of one in a unit of length [m]."""
-        lengths = {key: _times(unit, getattr(self, key)) for key in ("center", "near")}
+        lengths: dict[str, Any] = {
+            key: _times(unit, getattr(self, key)) for key in ("center", "near")
+        }
         radius, length = _times(unit, (self.radius, self.length))
         (area,) = _times(unit**2, (self.area,))
-        return Feature(
-            **{**asdict(self), **lengths, "radius": radius, "length": length, "area": area}
-        )
+        lengths |= {"radius": radius, "length": length, "area": area}
+        return Feature(**asdict(self) | lengths)
 
     def depth(self, point: Array) -> float:
         """Distance of a point (3,) from the cylinder that the feature is, filled; 0 within."""

@@ -14,6 +14,8 @@ RADIUS_TOLERANCE = 0.01
 """By which the radius of a hole may differ, relative: radii are often given to three digits."""
 CLEARLY_NEARER = 0.1
 """Of the distance of the second nearest, that of a feature that is meant alone."""
+ROUNDING_DISTANCE = 1e-7
+"""Distances that are none, relative to the size of the part."""
 MAX_LISTED = 6
 Distance = Callable[[int, Array], float]
 """of a face of the CAD file, by its number, from a point (3,) [m]"""
@@ -56,9 +58,10 @@ def picked(pick: Pick, features: Sequence[Feature], distance: Distance, size: fl
     sized = [i for i in order if _fits(pick, candidates[i])]
     within = [i for i in sized if gaps[i] <= pick.tolerance * size]
     # Narrow faces lie within the tolerance of their neighbors, which are no match for them.
-    clear = len(within) > 1 and gaps[within[0]] < CLEARLY_NEARER * gaps[within[1]]
-    if len(within) == 1 or clear:
-        return candidates[within[0]]
+    # Rounding makes none of two the nearer one, where a point is on the edge between them.
+    nearest, *others = [*(gaps[i] for i in within), np.inf]
+    if within and max(nearest, ROUNDING_DISTANCE * size) < CLEARLY_NEARER * others[0]:
+        return candidates[int(within[0])]
     found = [candidates[i] for i in within]
     wanted = f"at {list(pick.near)}" + ("" if pick.radius is None else f", radius {pick.radius:g}")
     if found:

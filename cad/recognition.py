@@ -139,8 +139,11 @@ def _feature(faces: list[_Face], size: float) -> Feature:
             axis, radius, length = surface.axis, abs(surface.radius), float(np.ptp(along))
     near = center if kind == "hole" else largest.near
     tags = tuple(sorted(face.tag for face in faces))
-    places = (_point(values, step) for values, step in ((center, size), (near, size), (axis, 1.0)))
-    return Feature(0, kind, *places, radius, length, area, tags)
+    center_point, near_point, direction = (
+        _point(values, step) for values, step in ((center, size), (near, size), (axis, 1.0))
+    )
+    lengths = radius, length, area
+    return Feature(0, kind, center_point, near_point, direction, *lengths, tags)
 
 
 def _edge_points(edge: int) -> Array:

@@ -79,11 +79,10 @@ def same(one: Simple | None, other: Simple | None, size: float) -> bool:
         return bool(parallel and abs(one.offset - other.offset) <= POSITION_TOLERANCE * size)
     if isinstance(one, RoundSurface) and isinstance(other, RoundSurface):
         between = other.point - one.point
-        apart = np.linalg.norm(between - (between @ one.axis) * one.axis)
-        return bool(
-            np.linalg.norm(one.axis - other.axis) <= NORMAL_TOLERANCE
-            and max(abs(one.radius - other.radius), apart) <= POSITION_TOLERANCE * size
-        )
+        apart = float(np.linalg.norm(between - (between @ one.axis) * one.axis))
+        parallel = np.linalg.norm(one.axis - other.axis) <= NORMAL_TOLERANCE
+        difference = max(abs(one.radius - other.radius), apart)
+        return bool(parallel and difference <= POSITION_TOLERANCE * size)
     return False
 
 

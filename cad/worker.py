@@ -67,7 +67,7 @@ def _mesh(
     in_meters = [feature.scaled(unit) for feature in features]
 
     def distance(face: int, point: Array) -> float:
-        return unit * _distance(face, point / unit)
+        return float(unit * _distance(face, point / unit))
 
     size = unit * size_of(solid)
     chosen = [picked(pick, in_meters, distance, size) for pick in picks]

@@ -1,6 +1,6 @@
 """The texts of body files, and of a first model file, of the solids of a CAD file."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +100,7 @@ def _joint(number: int, pair: Pair, names: dict[str, str]) -> Iterator[str]:
     yield from _keys({**values, "axis": pair.features[0].axis})
 
 
-def _keys(values: dict[str, object]) -> list[str]:
+def _keys(values: Mapping[str, object]) -> list[str]:
     return [f"{key} = {inline(value)}" for key, value in values.items()]
 
 

@@ -35,7 +35,9 @@ class CadKeys(Protocol):
     size: float | None
     sizes: dict[str, FaceSize]
     solid: str | None
-    model_fields_set: set[str]
+
+    @property
+    def model_fields_set(self) -> set[str]: ...
 
 
 def check_cad(body: CadKeys) -> None:
