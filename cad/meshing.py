@@ -18,6 +18,8 @@ TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1
 MAX_ELEMENTS = 5e6
 """Expected number above which a size is taken for a mistake."""
 TEN_NODE_TYPE = 11  # as gmsh numbers types
+# HXT leaves no slivers, which the older Delaunay does; but it cannot fill every volume.
+VOLUME_ALGORITHMS = (10, 1)
 DOUBTFUL_JACOBIAN = 0.1
 """Smallest over largest Jacobian of a curved element below which it is optimized."""
 
@@ -40,9 +42,8 @@ def mesh(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> Qu
     }.items():
         gmsh.option.setNumber(option, value)
     _refine(sizes)
-    gmsh.model.mesh.generate(3)
+    _generate()
     if _jacobians()[1].min(initial=1.0) < DOUBTFUL_JACOBIAN:
-        gmsh.model.mesh.optimize("HighOrderElastic")
         gmsh.model.mesh.optimize("HighOrder")
     elements, jacobians = _jacobians()
     _check_folded(elements, jacobians, unit)
@@ -66,6 +67,18 @@ def _check_sizes(solid: int, size: float, sizes: Mapping[int, float], unit: floa
             f"size: {unit * min((size, *sizes.values())):g} m would make about {expected:.2g} "
             f"elements, expected at most {MAX_ELEMENTS:g}: give a larger size"
         )
+
+
+def _generate() -> None:
+    """Fill the volume; by the second algorithm where the first one, which is better, gives up."""
+    better, robust = VOLUME_ALGORITHMS
+    gmsh.option.setNumber("Mesh.Algorithm3D", better)
+    try:
+        gmsh.model.mesh.generate(3)
+    except Exception:  # gmsh has no other type
+        gmsh.model.mesh.clear()
+        gmsh.option.setNumber("Mesh.Algorithm3D", robust)
+        gmsh.model.mesh.generate(3)
 
 
 def _refine(sizes: Mapping[int, float]) -> None:
