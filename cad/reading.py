@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ..files import require_regular
+from ..files import FileError, require_regular
 from .errors import CadError
 from .feature import Feature
 from .picking import Pick
@@ -100,6 +100,8 @@ def _asked(path: Path, asked: dict[str, Any]) -> dict[str, Any]:
         require_regular(path)
     except FileNotFoundError as error:
         raise CadError(f"{path}: no such CAD file") from error
+    except FileError as error:
+        raise CadError(f"{path}: {error}") from error
     with tempfile.TemporaryDirectory() as folder:
         request, reply = Path(folder, "request.json"), Path(folder, "reply.json")
         request.write_text(json.dumps({**asked, "path": str(path.resolve())}), encoding="utf-8")

@@ -21,7 +21,7 @@ PACKAGES: dict[str, set[str]] = {
     "solver": {"files", "inputs", "superelement", "results"},
     "view": {"files", "superelement", "results"},
     "study": {"files", "inputs", "superelement", "results", "preprocess", "solver"},
-    "robots": {"files", "inputs", "superelement", "cad", "solver"},
+    "robots": {"files", "inputs", "superelement", "solver"},
     "fmu": {"files", "inputs", "results", "solver"},
     "cli": {
         *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),

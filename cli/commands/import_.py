@@ -152,14 +152,15 @@ def _require_own_options(context: typer.Context, own: tuple[str, ...] | None) ->
 def _import_parts(
     source: Path, output: Path | None, size: float | None, scale: float | None
 ) -> None:
-    from ... import robots
+    from ... import cad
+    from ..assembly import import_assembly
 
     target = output or beside(source, TOML_SUFFIX, "model")
     for key, value in (("size", size), ("scale", scale)):
         if value is not None and not (isfinite(value) and value > 0.0):
             raise typer.BadParameter(f"--{key}: expected a positive number [m], got {value}")
-    with errors_in_one_line(robots), unwritten(target):
-        imported = robots.import_assembly(source, target, size, scale)
+    with errors_in_one_line(cad), unwritten(target):
+        imported = import_assembly(source, target, size, scale)
     for path in imported.bodies.values():
         typer.echo(one_line(path))
     n, joints = len(imported.bodies), imported.joints

@@ -8,8 +8,10 @@ import pytest
 
 pytest.importorskip("gmsh")
 
-from duhamel import preprocess, robots, solver, superelement
+from duhamel import preprocess, solver, superelement
+from duhamel.cad import CadError
 from duhamel.cli import app
+from duhamel.cli.assembly import import_assembly
 from typer.testing import CliRunner
 
 from .parts import block, two, write
@@ -33,7 +35,7 @@ def test_the_joint_that_holes_propose_is_at_one_point_of_both_bodies(
 ) -> None:
     model = tmp_path / "machine" / "model.toml"
     model.parent.mkdir()
-    imported = robots.import_assembly(assembly, model, size=0.02)
+    imported = import_assembly(assembly, model, size=0.02)
     assert {name: path.name for name, path in imported.bodies.items()} == {
         "base": "base.toml",
         "arm_1": "arm_1.toml",
@@ -81,9 +83,9 @@ def test_the_command_writes_files_once_and_keeps_what_is_there(
 
 def test_a_single_part_has_the_name_of_its_file(tmp_path: Path) -> None:
     path = write(tmp_path / "part 7.brep", block)
-    with pytest.raises(robots.RobotError, match=r"part 7\.brep: expected scale"):
-        robots.import_assembly(path, tmp_path / "model.toml")
-    imported = robots.import_assembly(path, tmp_path / "model.toml", scale=1e-3)
+    with pytest.raises(CadError, match=r"part 7\.brep: expected scale"):
+        import_assembly(path, tmp_path / "model.toml")
+    imported = import_assembly(path, tmp_path / "model.toml", scale=1e-3)
     body = preprocess.read_body(imported.bodies["part_7"])
     assert isinstance(body, preprocess.Body)
     assert (body.solid, body.scale) == (None, 1e-3)

@@ -1,4 +1,4 @@
-"""The guide to CAD files leads from a STEP file to a superelement, by the commands that it shows."""
+"""The guide to CAD files leads from STEP to a superelement, by the commands that it shows."""
 
 from math import pi
 from pathlib import Path

@@ -11,7 +11,6 @@ from ..cad import CadError, Solid, solids_of
 from ..files import renamed_when_whole
 from .assembly_files import Part, body_file, model_file, usual_size
 from .assembly_pairs import pairs_of
-from .errors import RobotError
 
 OTHER_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
 """What names of files do without."""
@@ -19,16 +18,9 @@ OTHER_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
 
 @dataclass(frozen=True)
 class ImportedAssembly:
-    """What an import has written, see `import_assembly` for an example.
+    """What an import has written: the model file, and body files by the names of the bodies.
 
-    Parameters
-    ----------
-    path : Path
-        Of the model file.
-    bodies : dict of Path
-        The body files by the names of the bodies.
-    joints : int
-        How many the model proposes, as comments.
+    joints: how many the model proposes, as comments.
     """
 
     path: Path
@@ -37,46 +29,18 @@ class ImportedAssembly:
 
 
 def import_assembly(
-    source: Path | str, target: Path | str, size: float | None = None, scale: float | None = None
+    source: Path, target: Path, size: float | None = None, scale: float | None = None
 ) -> ImportedAssembly:
     """Write a body file for each solid of a CAD file, and a model file with their positions.
 
     All are in the axes of the CAD file, in meters. Body files are beside the model, by the names of
     the solids; none of the files may be there already, since users change them.
 
-    Parameters
-    ----------
-    source : path
-        The CAD file: .step, .iges or .brep.
-    target : path
-        The model file, in TOML.
-    size : float, optional [m]
-        Of the elements, by default one that makes some thousand of each solid.
-    scale : float, optional [m]
-        The unit of length of a .brep file, which does not say it.
-
-    Returns
-    -------
-    ImportedAssembly
-
-    Raises
-    ------
-    RobotError
-        Names the file that cannot be read or written, or is there already.
-
-    Examples
-    --------
-    >>> try:
-    ...     import_assembly("no.step", "model.toml")
-    ... except RobotError as error:
-    ...     print("no.step" in str(error))
-    True
+    size [m]: of the elements, by default one that makes some thousand of each solid; scale [m]: the
+    unit of length of a .brep file. `CadError` names the file that cannot be read or written, or is
+    there already.
     """
-    source, target = Path(source), Path(target)
-    try:
-        solids = solids_of(source, scale)
-    except CadError as error:
-        raise RobotError(str(error)) from error
+    solids = solids_of(source, scale)
     parts, pairs = _parts(solids, source.stem, target.stem), list(pairs_of(solids))
     bodies = {part.name: target.with_name(f"{part.name}.toml") for part in parts}
     texts: dict[Path, str] = {}
@@ -88,7 +52,7 @@ def import_assembly(
         texts[bodies[part.name]] = body_file(part, mesh, pairs)
     texts[target] = model_file(parts, source.name, pairs)
     if found := [path for path in texts if path.exists()]:
-        raise RobotError(f"{found[0]}: is there already: move it, or name another folder by -o")
+        raise CadError(f"{found[0]}: is there already: move it, or name another folder by -o")
     _write_all(texts)
     return ImportedAssembly(target, bodies, len(pairs))
 
@@ -122,7 +86,7 @@ def _write_all(texts: Mapping[Path, str]) -> None:
     written: list[Path] = []
     try:
         for path, text in texts.items():
-            with renamed_when_whole(path, failure=RobotError) as temporary:
+            with renamed_when_whole(path, failure=CadError) as temporary:
                 temporary.write_text(text, encoding="utf-8")
             written.append(path)
     except BaseException:

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from ..cad import Feature, Solid
-from .document import tidy
+from ..robots.document import tidy
 
 ROUND_KINDS = ("hole", "shaft")
 PARALLEL_AXES = 1e-6  # 1 - cosine of axes of one direction

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..cad import Feature, Solid
+from ..robots.document import comment, inline, table_head, tidy
 from .assembly_pairs import ROUND_KINDS, Pair
-from .document import comment, inline, table_head, tidy
 
 ASSUMED_STEEL = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
 END_TIME, TIME_STEP, IMPULSE_STEPS = 1e-2, 1e-5, 100
