@@ -124,4 +124,6 @@ def _crash(ended: subprocess.CompletedProcess[str]) -> str:
         name = signal.Signals(-ended.returncode).name
         return f"gmsh crashed on it ({name}): damaged, or more than the memory holds"
     last = (ended.stderr.strip().splitlines() or [f"exit code {ended.returncode}"])[-1]
-    return f"gmsh cannot be loaded: {last}"
+    # The wheel of gmsh wants libraries of the screen, even where there is none.
+    lacks = ": on Debian, apt install libglu1-mesa" if ".so" in last else ""
+    return f"the process with gmsh failed: {last}{lacks}"
