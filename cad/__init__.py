@@ -5,16 +5,16 @@ gmsh reads and meshes them, in a process of its own (`worker.py`), which alone i
 
 from .errors import CadError
 from .feature import Feature
-from .reading import Geometry, is_cad, knows_unit, mesh_solid, solids_of
+from .reading import CadGeometry, is_cad, knows_unit, mesh_solid, solids_in
 from .solid import Solid
 
 __all__ = [
     "CadError",
+    "CadGeometry",
     "Feature",
-    "Geometry",
     "Solid",
     "is_cad",
     "knows_unit",
     "mesh_solid",
-    "solids_of",
+    "solids_in",
 ]

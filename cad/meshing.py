@@ -7,15 +7,14 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .errors import CadError
-from .quality import Quality
-from .session import size_of
+from .quality import TETRAHEDRON_VOLUME, Quality
+from .session import solid_size
 
 CIRCLE_ELEMENTS = 12
 """Elements around a circle, whose area their curved edges then keep to 5e-5."""
 SMALLEST_SHARE = 0.25
 """Of the size of elements, that of those which small radii ask for."""
-TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1
-MAX_ELEMENTS = 5e6
+MAX_MESH_ELEMENTS = 5e6
 """Expected number above which a size is taken for a mistake."""
 TEN_NODE_TYPE = 11  # as gmsh numbers types
 # HXT leaves no slivers, which the older Delaunay does; but it cannot fill every volume.
@@ -47,12 +46,13 @@ def mesh(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> Qu
         gmsh.model.mesh.optimize("HighOrder")
     elements, jacobians = _jacobians()
     _check_folded(elements, jacobians, unit)
+    # Of corners alone; how much edges bend is what the Jacobian tells.
     shapes = gmsh.model.mesh.getElementQualities(elements, "gamma")
     return Quality(len(elements), float(shapes.min()), float(shapes.mean()), float(jacobians.min()))
 
 
 def _check_sizes(solid: int, size: float, sizes: Mapping[int, float], unit: float) -> None:
-    extent = size_of(solid)
+    extent = solid_size(solid)
     if size > extent:
         raise CadError(
             f"size: expected that of elements, less than the {unit * extent:.3g} m of the part, "
@@ -62,10 +62,10 @@ def _check_sizes(solid: int, size: float, sizes: Mapping[int, float], unit: floa
     # A layer of elements on each refined face: behind it they grow quickly.
     for face, fine in sizes.items():
         expected += gmsh.model.occ.getMass(2, face) / (TETRAHEDRON_VOLUME * fine**2)
-    if expected > MAX_ELEMENTS:
+    if expected > MAX_MESH_ELEMENTS:
         raise CadError(
             f"size: {unit * min((size, *sizes.values())):g} m would make about {expected:.2g} "
-            f"elements, expected at most {MAX_ELEMENTS:g}: give a larger size"
+            f"elements, expected at most {MAX_MESH_ELEMENTS:g}: give a larger size"
         )
 
 
@@ -83,6 +83,7 @@ def _generate() -> None:
 
 def _refine(sizes: Mapping[int, float]) -> None:
     """A field of sizes on faces; from their edges the sizes grow into the rest."""
+    # Fields of facets alone: elements behind them grow as from any edge.
     fields = []
     for face, size in sorted(sizes.items()):
         field = gmsh.model.mesh.field.add("Constant")

@@ -16,8 +16,8 @@ CLEARLY_NEARER = 0.1
 """Of the distance of the second nearest, that of a feature that is meant alone."""
 ROUNDING_DISTANCE = 1e-7
 """Distances that are none, relative to the size of the part."""
-MAX_LISTED = 6
-Distance = Callable[[int, Array], float]
+MAX_LISTED_FEATURES = 6
+FaceDistance = Callable[[int, Array], float]
 """of a face of the CAD file, by its number, from a point (3,) [m]"""
 
 
@@ -45,7 +45,7 @@ class Pick:
         return cls(**table | {"near": tuple(table["near"])})
 
 
-def picked(pick: Pick, features: Sequence[Feature], distance: Distance, size: float) -> Feature:
+def picked(pick: Pick, features: Sequence[Feature], distance: FaceDistance, size: float) -> Feature:
     """The feature of a pick on a part of a size [m]; `CadError` unless there is exactly one.
 
     The error lists what there is, nearest first.
@@ -68,16 +68,19 @@ def picked(pick: Pick, features: Sequence[Feature], distance: Distance, size: fl
         more = " or a radius" if pick.kind == "hole" and pick.radius is None else ""
         raise CadError(
             f"{pick.key}: expected one {pick.kind} {wanted}, found {len(found)}: "
-            f"{'; '.join(map(str, found[:MAX_LISTED]))}: give a point of one alone{more}"
+            f"{'; '.join(map(str, found[:MAX_LISTED_FEATURES]))}: give a point of one alone{more}"
         )
-    listed = "; ".join(f"{candidates[i]}, {gaps[i]:.3g} m away" for i in order[:MAX_LISTED])
+    listed = "; ".join(
+        f"{candidates[i]}, {gaps[i]:.3g} m away" for i in order[:MAX_LISTED_FEATURES]
+    )
     raise CadError(
         f"{pick.key}: no {pick.kind} {wanted}, within {pick.tolerance * size:.3g} m; "
         f"nearest of {len(candidates)} are [m]: {listed}"
     )
 
 
-def _gap(pick: Pick, feature: Feature, distance: Distance) -> float:
+def _gap(pick: Pick, feature: Feature, distance: FaceDistance) -> float:
+    # Anywhere in a hole counts: drawings give its center, which is on no face.
     point = np.array(pick.near)
     if pick.kind == "hole":
         return feature.depth(point)

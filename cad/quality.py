@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1
+
 
 @dataclass(frozen=True)
 class Quality:

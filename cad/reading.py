@@ -26,7 +26,7 @@ CAD_SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
 
 
 @dataclass(frozen=True)
-class Geometry:
+class CadGeometry:
     """What a mesh was made of, a solid with its features, by which gmsh, and how well."""
 
     solid: str
@@ -45,7 +45,7 @@ def knows_unit(path: Path) -> bool:
     return path.suffix.lower() in UNITS_KNOWN
 
 
-def solids_of(path: Path, unit: float | None = None) -> dict[str, Solid]:
+def solids_in(path: Path, unit: float | None = None) -> dict[str, Solid]:
     """The solids of a file by their names, in meters.
 
     unit [m]: of a file that does not say it. `CadError` names the file.
@@ -67,7 +67,7 @@ def mesh_solid(
     *,
     solid: str | None = None,
     unit: float | None = None,
-) -> tuple[Geometry, float]:
+) -> tuple[CadGeometry, float]:
     """Mesh a solid with tetrahedra of ten nodes into a file of gmsh; what it is, and its unit [m].
 
     size [m]: of elements; picks: groups of facets, and sizes elsewhere; solid: the name of one of
@@ -78,7 +78,7 @@ def mesh_solid(
     asked = {"unit": in_file, "mesh": str(target), "size": size, "solid": solid}
     answer = _asked(path, {**asked, "picks": [asdict(pick) for pick in picks]})
     features = tuple(map(Feature.of, answer["features"]))
-    geometry = Geometry(answer["solid"], features, Quality(**answer["quality"]), answer["gmsh"])
+    geometry = CadGeometry(answer["solid"], features, Quality(**answer["quality"]), answer["gmsh"])
     return geometry, in_file
 
 

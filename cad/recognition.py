@@ -7,8 +7,8 @@ import numpy as np
 
 from ..superelement.validation import Array
 from .feature import Feature, FeatureKind, Point
-from .session import size_of
-from .surfaces import FlatSurface, RoundSurface, Simple, fitted, largest_gap, same
+from .session import solid_size
+from .surfaces import FlatSurface, RoundSurface, Simple, fitted_surface, largest_gap, same
 
 GRID_SIDES = (5, 17)
 """Parameters a side at which a face is looked at; the finer ones where it is much cut away."""
@@ -38,7 +38,7 @@ class _Face:
 
 def features_of(solid: int) -> list[Feature]:
     """The features of a solid, in the unit of the session: holes, shafts, planes, curved faces."""
-    size = size_of(solid)
+    size = solid_size(solid)
     tags = [tag for _, tag in gmsh.model.getBoundary([(3, solid)], oriented=False)]
     faces = [_face(solid, tag, size) for tag in sorted(tags)]
     found = [_feature(group, size) for group in _joined(faces, size)]
@@ -65,7 +65,7 @@ def _face(solid: int, tag: int, size: float) -> _Face:
     normals = np.reshape(gmsh.model.getNormal(tag, parameters.ravel()), (-1, 3))
     at_face = 0 if on_face is None else on_face
     outward = _outward(solid, points[at_face], normals[at_face], np.sqrt(area))
-    surface = fitted(points, outward * normals, size)
+    surface = fitted_surface(points, outward * normals, size)
     return _Face(tag, surface, points[at_face], center, area, edge_tags, rim)
 
 

@@ -21,7 +21,7 @@ SESSION_OPTIONS = {
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[dict[str, int]]:
+def open_solids(path: Path) -> Iterator[dict[str, int]]:
     """The solids of a file in a session of gmsh, by name; `CadError` for a file without any."""
     # Files of the user's folder would change meshes from one machine to the next.
     gmsh.initialize(readConfigFiles=False, interruptible=False)
@@ -34,7 +34,7 @@ def opened(path: Path) -> Iterator[dict[str, int]]:
         gmsh.finalize()
 
 
-def size_of(entity: int, dimension: int = 3) -> float:
+def solid_size(entity: int, dimension: int = 3) -> float:
     """The diagonal of the bounding box of a solid."""
     low, high = np.split(np.array(gmsh.model.getBoundingBox(dimension, entity)), 2)
     return float(np.linalg.norm(high - low))
@@ -49,7 +49,7 @@ def _import(path: Path) -> None:
     if faces:
         # IGES has loose faces; a solid is what they close.
         gmsh.model.occ.healShapes(
-            tolerance=SEWING_TOLERANCE * size_of(-1, dimension=-1),
+            tolerance=SEWING_TOLERANCE * solid_size(-1, dimension=-1),
             fixDegenerated=False,
             fixSmallEdges=False,
             fixSmallFaces=False,

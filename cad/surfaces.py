@@ -9,7 +9,7 @@ from ..superelement.validation import Array
 NORMAL_TOLERANCE = 1e-5
 """How far normals of one plane may differ, and how far those of a cylinder may lean to its axis."""
 POSITION_TOLERANCE = 1e-5
-"""Distance of points from their surface, relative to the size of the part; IGES is as rough."""
+"""FaceDistance of points from their surface, relative to the size of the part; IGES is as rough."""
 LEAST_ARC = 1e-3
 """Spread of the normals across the axis below which a strip tells no axis."""
 
@@ -34,7 +34,7 @@ class RoundSurface:
 Simple = FlatSurface | RoundSurface
 
 
-def fitted(points: Array, normals: Array, size: float) -> Simple | None:
+def fitted_surface(points: Array, normals: Array, size: float) -> Simple | None:
     """The plane or cylinder of points (n, 3) with outward normals (n, 3); None for other surfaces.
 
     size: of the part, which positions are compared with.
@@ -53,11 +53,13 @@ def fitted(points: Array, normals: Array, size: float) -> Simple | None:
 def _cylinder(X: Array, N: Array, size: float) -> RoundSurface | None:
     """X = point + radius n + z axis, with n the normals, all across the axis."""
     _, spread, directions = np.linalg.svd(N)
+    # Normals of a cylinder fill a plane: what is across of it is the axis.
     axis = directions[2]
     if spread[1] < LEAST_ARC * spread[0] or np.abs(N @ axis).max() > NORMAL_TOLERANCE:
         return None
     across = directions[:2]
     x, n = (X @ across.T).ravel(), (N @ across.T).ravel()
+    # Linear in center and radius, which the normals allow; its sign tells inside from outside.
     rows = np.column_stack([np.tile(np.eye(2), (len(X), 1)), n])
     found, *_ = np.linalg.lstsq(rows, x, rcond=None)
     if np.abs(rows @ found - x).max() > POSITION_TOLERANCE * size:

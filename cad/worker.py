@@ -19,7 +19,7 @@ from .feature import Feature
 from .meshing import mesh
 from .picking import Pick, picked
 from .recognition import features_of
-from .session import keep_alone, opened, size_of
+from .session import keep_alone, open_solids, solid_size
 
 
 def main(request: Path, reply: Path) -> None:
@@ -35,7 +35,7 @@ def main(request: Path, reply: Path) -> None:
 
 def _answer(asked: dict[str, Any]) -> dict[str, Any]:
     unit = asked["unit"]
-    with opened(Path(asked["path"])) as solids:
+    with open_solids(Path(asked["path"])) as solids:
         found: dict[str, Any] = {"gmsh": gmsh.__version__}
         if asked["mesh"] is None:
             found["solids"] = {name: _listed(tag, unit) for name, tag in solids.items()}
@@ -69,7 +69,7 @@ def _mesh(
     def distance(face: int, point: Array) -> float:
         return float(unit * _distance(face, point / unit))
 
-    size = unit * size_of(solid)
+    size = unit * solid_size(solid)
     chosen = [picked(pick, in_meters, distance, size) for pick in picks]
     sizes: dict[int, float] = {}
     groups: dict[str, tuple[int, ...]] = {}
@@ -80,6 +80,7 @@ def _mesh(
         # Of several sizes for a face the smallest counts: the other is kept by it too.
         for face in feature.faces:
             sizes[face] = min(pick.size / unit, sizes.get(face, np.inf))
+    # Groups come after the mesh: it is the same whatever is selected on it.
     quality = mesh(solid, asked["size"] / unit, sizes, unit)
     gmsh.model.addPhysicalGroup(3, [solid], name=name)
     for group, faces in groups.items():
@@ -90,6 +91,7 @@ def _mesh(
 
 def _distance(face: int, point: Array) -> float:
     """Exact distance of a point from a face with its edges."""
+    # By Open CASCADE, not by facets: a point of a body file lies on the face, not on its chords.
     probe = gmsh.model.occ.addPoint(*point.tolist())
     try:
         return float(gmsh.model.occ.getDistance(0, probe, 2, face)[0])

@@ -7,9 +7,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..cad import CadError, Solid, solids_of
+from ..cad import CadError, Solid, solids_in
 from ..files import renamed_when_whole
-from .assembly_files import Part, body_file, model_file, usual_size
+from .assembly_files import NamedSolid, body_file, model_file, usual_size
 from .assembly_pairs import pairs_of
 
 OTHER_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
@@ -40,7 +40,7 @@ def import_assembly(
     unit of length of a .brep file. `CadError` names the file that cannot be read or written, or is
     there already.
     """
-    solids = solids_of(source, scale)
+    solids = solids_in(source, scale)
     parts, pairs = _parts(solids, source.stem, target.stem), list(pairs_of(solids))
     bodies = {part.name: target.with_name(f"{part.name}.toml") for part in parts}
     texts: dict[Path, str] = {}
@@ -51,13 +51,14 @@ def import_assembly(
         mesh["size"] = size or usual_size(part.solid)
         texts[bodies[part.name]] = body_file(part, mesh, pairs)
     texts[target] = model_file(parts, source.name, pairs)
+    # Before anything is written: users change these files, and do not want them replaced.
     if found := [path for path in texts if path.exists()]:
         raise CadError(f"{found[0]}: is there already: move it, or name another folder by -o")
     _write_all(texts)
     return ImportedAssembly(target, bodies, len(pairs))
 
 
-def _parts(solids: Mapping[str, Solid], file: str, model: str) -> list[Part]:
+def _parts(solids: Mapping[str, Solid], file: str, model: str) -> list[NamedSolid]:
     """Solids under names that differ from one another and from that of the model."""
     # Some file systems do not tell capitals from small letters.
     taken, parts = {model.lower()}, []
@@ -69,7 +70,7 @@ def _parts(solids: Mapping[str, Solid], file: str, model: str) -> list[Part]:
         while name.lower() in taken:
             name, number = f"{plain}_{number}", number + 1
         taken.add(name.lower())
-        parts.append(Part(name, label, solid))
+        parts.append(NamedSolid(name, label, solid))
     return parts
 
 

@@ -6,23 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..cad import Feature, Solid
+from ..cad.quality import TETRAHEDRON_VOLUME
 from ..robots.document import comment, inline, table_head, tidy
-from .assembly_pairs import ROUND_KINDS, Pair
+from .assembly_pairs import LARGE_COORDINATE, ROUND_KINDS, JointPair
 
 ASSUMED_STEEL = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
 END_TIME, TIME_STEP, IMPULSE_STEPS = 1e-2, 1e-5, 100
 """Of the simulation [s] and of the impulse responses, until the user gives better ones."""
 USUAL_ELEMENTS = 4000
 """Number of elements that a size is chosen for: some ten seconds of work on a part."""
-TETRAHEDRON_VOLUME = 2.0**0.5 / 12.0  # of edges of length 1
 MAX_INTERFACES = 4
 """Interfaces that are given; further ones stand as comments, for each one costs time."""
 MAX_COMMENTED = 40
-LARGE_COORDINATE = 1e4  # [m]: positions are written to 1e-10 m
 
 
 @dataclass(frozen=True)
-class Part:
+class NamedSolid:
     """A solid by its label in the CAD file, under the name of its body and of its files."""
 
     name: str
@@ -34,7 +33,7 @@ def interface_name(feature: Feature) -> str:
     return f"{feature.kind}_{feature.number}"
 
 
-def body_file(part: Part, mesh: dict[str, object], pairs: Sequence[Pair]) -> str:
+def body_file(part: NamedSolid, mesh: dict[str, object], pairs: Sequence[JointPair]) -> str:
     """A body file: what the mesh is made of, a material to look at, interfaces, a step.
 
     mesh: keys of the mesh; where interfaces are paired, the frames of both are at the same point.
@@ -46,6 +45,7 @@ def body_file(part: Part, mesh: dict[str, object], pairs: Sequence[Pair]) -> str
         if label == part.label
     }
     features = part.solid.features
+    # Paired ones first: they are most likely to be joints.
     candidates = [*places, *(f for f in features if f.kind in ROUND_KINDS and f not in places)]
     given = candidates[:MAX_INTERFACES] or [max(features, key=lambda feature: feature.area)]
     lines = [
@@ -68,7 +68,7 @@ def body_file(part: Part, mesh: dict[str, object], pairs: Sequence[Pair]) -> str
     return "\n".join(lines) + "\n"
 
 
-def model_file(parts: Sequence[Part], source: str, pairs: Sequence[Pair]) -> str:
+def model_file(parts: Sequence[NamedSolid], source: str, pairs: Sequence[JointPair]) -> str:
     """A model of all bodies where they are in the CAD file, and possible joints as comments."""
     names = {part.label: part.name for part in parts}
     lines = [
@@ -90,7 +90,7 @@ def model_file(parts: Sequence[Part], source: str, pairs: Sequence[Pair]) -> str
     return "\n".join(lines) + "\n"
 
 
-def _joint(number: int, pair: Pair, names: dict[str, str]) -> Iterator[str]:
+def _joint(number: int, pair: JointPair, names: dict[str, str]) -> Iterator[str]:
     between = [
         f"{names[label]}.{interface_name(feature)}"
         for label, feature in zip(pair.labels, pair.features, strict=True)

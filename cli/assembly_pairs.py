@@ -19,7 +19,7 @@ RADIUS_CLEARANCE = 0.1
 
 
 @dataclass(frozen=True)
-class Pair:
+class JointPair:
     """Two features in one line, by the labels of their solids, and a point of both (3,) [m]."""
 
     labels: tuple[str, str]
@@ -27,18 +27,19 @@ class Pair:
     at: tuple[float, float, float]
 
 
-def pairs_of(solids: Mapping[str, Solid]) -> Iterator[Pair]:
+def pairs_of(solids: Mapping[str, Solid]) -> Iterator[JointPair]:
     """Pairs of holes, or of a hole and a shaft, of different solids; each feature once."""
     taken: set[tuple[str, int]] = set()
     for (one, a), (two, b) in combinations(solids.items(), 2):
         for first in _round(a):
             for second in _round(b):
                 keys = {(one, first.number), (two, second.number)}
+                # Two pins in one line do not touch; a pin in a hole, or a bolt through two, may.
                 if keys & taken or first.kind == second.kind == "shaft":
                     continue
                 if (at := _common_point(first, second)) is not None:
                     taken |= keys
-                    yield Pair((one, two), (first, second), at)
+                    yield JointPair((one, two), (first, second), at)
 
 
 def _round(solid: Solid) -> list[Feature]:

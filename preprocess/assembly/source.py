@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from ...cad import Geometry
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..body.loads import LoadPattern
 from ..body.selection import Selection, SurfaceSelection
@@ -131,7 +131,7 @@ class Source(Protocol):
         ...
 
     @property
-    def geometry(self) -> Geometry | None:
+    def geometry(self) -> CadGeometry | None:
         """What the mesh was made of, of a CAD file."""
         ...
 

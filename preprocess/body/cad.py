@@ -56,6 +56,7 @@ def check_cad(body: CadKeys) -> None:
     if body.size is None:
         raise ValueError(f"size: expected that of the elements of {path.name} [m], found none")
     given = body.model_fields_set
+    # Defaults are no statement of the user, and pass.
     if "order" in given:
         raise ValueError("order: CAD files are meshed by tetrahedra of ten nodes, found order too")
     if knows_unit(path) and "scale" in given:
@@ -79,6 +80,7 @@ def picks_of(body: CadKeys) -> list[Pick]:
         feature = selection.feature
         assert feature is not None
         group = str(feature)
+        # A hole that carries an interface and a load is one group.
         picks.setdefault(group, _pick(f"{table}.{name}.{key}", feature, group))
     sizes = [
         _pick(f"sizes.{name}.{key}", feature, "", face.size)

@@ -8,7 +8,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cad import Geometry
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..errors import MeshError
 
@@ -53,7 +53,7 @@ class Mesh:
     groups: Mapping[str, Group]
     body_types: tuple[str, ...]
     labels: IntArray | None = None
-    geometry: Geometry | None = None
+    geometry: CadGeometry | None = None
 
     @property
     def used(self) -> NDArray[np.bool_]:

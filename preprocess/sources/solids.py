@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ...cad import Geometry
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, facet_frame, nodal_frame, point_frame
 from ..assembly.selected import (
@@ -62,7 +62,7 @@ class SolidSource:
         return self.mesh.name
 
     @property
-    def geometry(self) -> Geometry | None:
+    def geometry(self) -> CadGeometry | None:
         return self.mesh.geometry
 
     @cached_property

@@ -7,14 +7,14 @@ import pytest
 
 pytest.importorskip("gmsh")
 
-from duhamel.cad import CadError, Feature, mesh_solid, solids_of
+from duhamel.cad import CadError, Feature, mesh_solid, solids_in
 from duhamel.cad.picking import Pick, picked
 
 from .parts import block, fork, in_unit, plate, two, write
 
 
 def features(path: Path, unit: float | None = None) -> tuple[Feature, ...]:
-    (found,) = solids_of(path, unit).values()
+    (found,) = solids_in(path, unit).values()
     return found.features
 
 
@@ -125,7 +125,7 @@ def test_a_point_of_an_edge_is_on_two_faces(plate_file: Path, tmp_path: Path) ->
 
 def test_one_of_several_solids_is_named(folder: Path, tmp_path: Path) -> None:
     path = write(folder / "two.step", two)
-    names = list(solids_of(path))
+    names = list(solids_in(path))
     assert len(set(names)) == 2
     with pytest.raises(CadError, match="expected one solid, found 2: name one by `solid`"):
         mesh_solid(path, tmp_path / "a.msh", 0.01)
@@ -146,13 +146,13 @@ def test_damaged_files_are_named(tmp_path: Path, text: str, expected: str) -> No
     path = tmp_path / "part.step"
     path.write_text(text)
     with pytest.raises(CadError, match=f"part.step: {expected}"):
-        solids_of(path)
+        solids_in(path)
 
 
 def test_without_gmsh_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("duhamel.cad.reading.find_spec", lambda name: None)
     with pytest.raises(CadError, match=r"pip install 'duhamel\[cad\]'"):
-        solids_of(tmp_path / "part.step")
+        solids_in(tmp_path / "part.step")
 
 
 def test_a_crash_of_gmsh_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -162,4 +162,4 @@ def test_a_crash_of_gmsh_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     (tmp_path / "part.step").write_text("")
     monkeypatch.setattr("duhamel.cad.reading.sys.executable", str(crashing))
     with pytest.raises(CadError, match=r"part\.step: gmsh crashed on it \(SIGSEGV\)"):
-        solids_of(tmp_path / "part.step")
+        solids_in(tmp_path / "part.step")
