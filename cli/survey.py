@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from rich.table import Table
 
+from ..cad import Feature
 from ..preprocess.assembly.interfaces import Attachment
 from ..preprocess.survey import Survey
 from ..superelement.validation import Array
@@ -21,6 +22,8 @@ ESTIMATED_FREQUENCIES = (
 STEPS_IN_PERIOD = 20
 # Lines of beams whose local axes are drawn: those of all would hide each other.
 DRAWN_SECTIONS = 5
+# Holes and faces that are listed and numbered: more would hide each other.
+MAX_NUMBERED = 60
 
 
 def report(survey: Survey) -> Table:
@@ -58,12 +61,47 @@ def scene(survey: Survey) -> Scene:
         Marker(name, np.array(sensor.point), has_axes=False)
         for name, sensor in survey.body.sensors.items()
     ]
+    masses += [_number(feature) for feature in _numbered_features(survey)]
     if facets is None:
         # Lines do not show which way a section is turned: its axes do.
         lines = mesh.points[mesh.cells["line"]]
         return Scene(lines=lines, markers=markers, masses=masses, sections=_crosses(survey))
     patches = [Patch(polygons, owners) for polygons, owners in survey.boundary()]
     return Scene(patches, markers=markers, masses=masses)
+
+
+def _number(feature: Feature) -> Marker:
+    # Of a plane on the side that shows it: its number would lie on another face else.
+    facing = np.array(feature.axis) if feature.kind == "plane" else None
+    return Marker(str(feature.number), np.array(feature.near), has_axes=False, facing=facing)
+
+
+def features_to_copy(survey: Survey) -> Iterator[str]:
+    """Holes, shafts and planes of a CAD file, as lines to copy with the numbers of the picture."""
+    features = _numbered_features(survey)
+    if features:
+        yield "holes and faces by their numbers in the picture, to copy:"
+    for feature in features:
+        yield f"{feature.key}  # {feature.number}: {_feature_in_words(feature)}"
+    if left := len(survey.mesh.geometry.features) - len(features) if survey.mesh.geometry else 0:
+        yield f"# and {left} more faces, curved or small"
+
+
+def _feature_in_words(feature: Feature) -> str:
+    axis = list(feature.axis)
+    if feature.kind == "plane":
+        return f"plane of {feature.area:.4g} m^2, center {list(feature.center)}, normal {axis}"
+    size = f"radius {feature.radius:.6g} m, length {feature.length:.4g} m"
+    return f"{feature.kind} of {size}, center {list(feature.center)}, axis {axis}"
+
+
+def _numbered_features(survey: Survey) -> list[Feature]:
+    """The holes and shafts, then the largest planes of a CAD file, by their numbers."""
+    geometry = survey.mesh.geometry
+    found = () if geometry is None else geometry.features
+    kept = [feature for feature in found if feature.kind != "curved"]
+    round_first = sorted(kept, key=lambda feature: (feature.kind == "plane", -feature.area))
+    return sorted(round_first[:MAX_NUMBERED], key=lambda feature: feature.number)
 
 
 def _crosses(survey: Survey) -> list[Cross]:
@@ -77,6 +115,8 @@ def _mesh(survey: Survey) -> Iterator[Row]:
     mesh, structure = survey.mesh, survey.structure
     elements = ", ".join(f"{len(cells)} {kind}" for kind, cells in mesh.elements.items())
     yield "mesh", f"{mesh.name}: {len(mesh.points)} nodes, {elements}"
+    if mesh.geometry is not None:
+        yield "meshed by", f"gmsh {mesh.geometry.gmsh}: {mesh.geometry.quality}"
     yield "from [m]", components(mesh.points.min(axis=0))
     yield "to [m]", components(mesh.points.max(axis=0))
     yield "unknowns", f"{structure.n_u}, of which {structure.P_C.shape[0]} interface dofs are kept"

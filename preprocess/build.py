@@ -215,11 +215,11 @@ def superelement_of(
         channels=channels,
         provenance=Provenance(
             body=body.text,
-            mesh=", ".join(path.name for path in body.files),
+            mesh=_mesh_in_words(body, source),
             mesh_sha256=body.digests,
             method=responses.method,
             tolerance=responses.tolerance,
-            versions=_versions(structure.solvers),
+            versions=_versions(structure.solvers, source),
             timings=stages.seconds,
         ),
         outline=outline_of(source, structure.rigid.center),
@@ -269,8 +269,17 @@ def _surfaces(structure: Structure, responses: ImpulseResponses) -> Surfaces | N
     return surfaces
 
 
-def _versions(solvers: list[str]) -> dict[str, str]:
+def _mesh_in_words(body: Body, source: Source) -> str:
+    """The files of mesh or matrices; of CAD the elements that were made of it."""
+    names = ", ".join(path.name for path in body.files)
+    return names if source.geometry is None else f"{names}: {source.geometry.quality}"
+
+
+def _versions(solvers: list[str], source: Source) -> dict[str, str]:
     versions = {name: metadata.version(name) for name in STATED_PACKAGES}
+    # Of a CAD file: another version of gmsh makes another mesh.
+    if source.geometry is not None:
+        versions["gmsh"] = source.geometry.gmsh
     if solvers:
         versions["factorization"] = ", ".join(dict.fromkeys(solvers))
     return versions

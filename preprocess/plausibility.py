@@ -28,6 +28,8 @@ POLAR_INERTIA_RATIOS = (0.01, 100.0)  # to that of a homogeneous section of the 
 MAX_TORSION_RATIO = 10.0
 """GJ over EI_y + EI_z; 1 / (2 (1 + nu)) at most where one isotropic material fills the section."""
 MAX_PIECE_RADIUS = 30.0  # of gyration of a rigid piece, over the size of the mesh
+MIN_SHAPE = 0.05
+"""Of a tetrahedron, 3 times the radius of its inscribed over that of its circumscribed sphere."""
 MIN_WAVE_SPACINGS = 0.01  # below which the waves of a step are nothing on this mesh
 
 
@@ -93,12 +95,18 @@ def doubts_of_source(body: Body, source: Source) -> Iterator[str]:
 
 
 def doubts_of_mesh(mesh: Mesh) -> Iterator[str]:
-    """Doubts about the size of a mesh."""
+    """Doubts about the size of a mesh, and the elements that were made of a CAD file."""
     if not PART_SIZE[0] <= mesh.size <= PART_SIZE[1]:
         unit = "millimeters (scale = 1e-3)" if mesh.size > PART_SIZE[1] else "meters (no scale)"
         yield (
             f"the mesh is {mesh.size:.4g} m large, parts are {PART_SIZE[0]:g} to {PART_SIZE[1]:g} "
             f"m: are its coordinates in {unit}?"
+        )
+    if mesh.geometry is not None and mesh.geometry.quality.worst_shape < MIN_SHAPE:
+        yield (
+            f"the flattest tetrahedron has a shape of {mesh.geometry.quality.worst_shape:.2g}, "
+            f"expected {MIN_SHAPE:g} or more: a smaller size, or one on small faces "
+            "([sizes.NAME])"
         )
 
 

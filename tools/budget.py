@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LIMITS = ROOT / "tools" / "budget.toml"
 PACKAGES = (
-    *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
+    *("files", "inputs", "superelement", "cad", "results", "preprocess", "solver", "view", "study"),
     *("robots", "fmu", "cli"),
     "top",
 )

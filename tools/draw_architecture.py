@@ -26,6 +26,7 @@ ABOUT = {
     "fmu": "models for other programs",
     "view": "pictures of bodies, models and results",
     "results": "the motion of a run: contract of the solver with its readers",
+    "cad": "CAD files → meshes, by gmsh",
     "superelement": "an elastic body as its interfaces feel it: contract of preprocess and solver",
     "inputs": "TOML tables, checked",
     "files": "files of others, opened with care; our own, written whole",
@@ -92,6 +93,7 @@ TINTS = {
     "files": ("#ffe3e3", "#c2255c"),
     "inputs": ("#fff3bf", "#e8930c"),
     "superelement": ("#d3f9d8", "#2b8a3e"),
+    "cad": ("#f1f3f5", "#868e96"),
     "results": ("#e5dbff", "#6741d9"),
     "preprocess": ("#fff8f0", "#d9480f"),
     "solver": ("#f0f7ff", "#1864ab"),
@@ -364,6 +366,7 @@ def _frames(inner: dict[str, Layers]) -> dict[str, Box]:
         "view": Box("view", x_side, y_walk, side, 96.0),
         "results": Box("results", x_side, y_walk + 0.5 * walk - 56.0, side, 112.0),
         "inputs": Box("inputs", x_solver - 180.0, y_inputs, 320.0, top),
+        "cad": Box("cad", MARGIN, y_inputs, 260.0, top),
         "superelement": Box("superelement", MARGIN, y_superelement, full - 180.0, top),
         "files": Box("files", MARGIN, y_files, full, top),
     }

@@ -15,8 +15,9 @@ PACKAGES: dict[str, set[str]] = {
     "files": set(),
     "inputs": {"files"},
     "superelement": {"files"},
+    "cad": {"files", "superelement"},
     "results": {"files", "superelement"},
-    "preprocess": {"files", "inputs", "superelement"},
+    "preprocess": {"files", "inputs", "superelement", "cad"},
     "solver": {"files", "inputs", "superelement", "results"},
     "view": {"files", "superelement", "results"},
     "study": {"files", "inputs", "superelement", "results", "preprocess", "solver"},
@@ -24,7 +25,7 @@ PACKAGES: dict[str, set[str]] = {
     "fmu": {"files", "inputs", "results", "solver"},
     "cli": {
         *("files", "inputs", "superelement", "results", "preprocess", "solver", "view", "study"),
-        *("robots", "fmu"),
+        *("robots", "fmu", "cad"),
     },
 }
 """All packages, and the others that each of them may import, which stand before it."""

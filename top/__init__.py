@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from duhamel.parts import Beam, Part
     from duhamel.preprocess.body.material import Material, Section
     from duhamel.runs import Run
-    from duhamel.selections import box, cylinder, group, node, plane, sphere
+    from duhamel.selections import box, cylinder, face, group, hole, node, plane, sphere
     from duhamel.solver.model.bodies import RigidBody
     from duhamel.solver.model.fmus import FMU
     from duhamel.superelement import Superelement
@@ -81,7 +81,9 @@ _NAMES = {
     "Superelement": "superelement",
     "box": "selections",
     "cylinder": "selections",
+    "face": "selections",
     "group": "selections",
+    "hole": "selections",
     "node": "selections",
     "plane": "selections",
     "sphere": "selections",
@@ -102,7 +104,9 @@ __all__ = [
     "contacts",
     "couplers",
     "cylinder",
+    "face",
     "group",
+    "hole",
     "joints",
     "laws",
     "loads",

@@ -10,8 +10,10 @@ from typing import Any, Literal, Self, TypedDict, Unpack
 
 import numpy as np
 from duhamel import preprocess, view
+from duhamel.cad import is_cad
 from duhamel.inputs import InputError, Table, quoted, read_part
 from duhamel.preprocess.body.body import PointMass
+from duhamel.preprocess.body.cad import FaceSize
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.impulse import Method, SolverName
 from duhamel.preprocess.body.loads import LoadPattern
@@ -34,6 +36,7 @@ TABLE_KINDS: dict[str, type[Table]] = {
     "masses": PointMass,
     "loads": LoadPattern,
     "sensors": SensorPoint,
+    "sizes": FaceSize,
 }
 """what body files give by name"""
 DEFAULT_STEPS = 100
@@ -105,6 +108,10 @@ class Part:
         self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
         if order != 1:
             self._table["order"] = order
+        if isinstance(mesh, str | os.PathLike) and is_cad(Path(mesh)):
+            raise preprocess.BodyError(
+                f"{mesh}: is geometry, no mesh: use du.Part.from_step with the size of elements"
+            )
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:
@@ -122,6 +129,47 @@ class Part:
         part = cls.__new__(cls)
         part.name = body.name
         part._table = {key: getattr(body, key) for key in body.model_fields_set}
+        return part
+
+    @classmethod
+    def from_step(
+        cls,
+        path: str | os.PathLike[str],
+        properties: Material | Mapping[str, Material],
+        size: float,
+        *,
+        name: str | None = None,
+        solid: str | None = None,
+        scale: float | None = None,
+    ) -> Self:
+        """The part of a CAD file (.step, .iges, .brep), meshed with tetrahedra of ten nodes.
+
+        It needs gmsh: `pip install 'duhamel[cad]'`. The file says its unit of length; what is
+        selected is in meters, in the axes of the file: `du.hole`, `du.face`.
+
+        Parameters
+        ----------
+        path : path
+        properties : Material
+        size : float [m]
+            Of the elements; `refine` gives smaller ones on holes and faces.
+        name : str
+            Its name in messages and files, by default that of the file.
+        solid : str
+            The name of a solid, of a file with several.
+        scale : float [m]
+            The unit of length of a .brep file, which does not say it.
+
+        Raises
+        ------
+        PreprocessError
+            When the part is used: names the file, and what it does not have.
+        """
+        part = cls.__new__(cls)
+        part.name = name or Path(path).stem
+        part._table = {"name": part.name, **_keyed(properties), "mesh": Path(path), "size": size}
+        part._table |= {} if solid is None else {"solid": solid}
+        part._table |= {} if scale is None else {"scale": scale}
         return part
 
     def __repr__(self) -> str:
@@ -156,6 +204,18 @@ class Part:
         if at is not None:
             selection["at"] = vector(at)
         self._add("interfaces", name, selection)
+
+    def refine(self, name: str, where: Selection, size: float) -> None:
+        """Give elements on a hole or face of a CAD file a smaller size.
+
+        Parameters
+        ----------
+        name : str
+        where
+            `du.hole` or `du.face`.
+        size : float [m]
+        """
+        self._add("sizes", name, {**where.model_dump(exclude_unset=True), "size": float(size)})
 
     def surface(self, name: str, where: Where) -> None:
         """Add a surface: facets that other bodies may touch, of which all nodes are kept.

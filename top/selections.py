@@ -6,7 +6,15 @@ du.plane(x=0.0) & du.box([0.0, 0.0, 0.0], [0.0, 0.1, 0.1])
 from collections.abc import Sequence
 
 from duhamel.inputs import InputError
-from duhamel.preprocess.body.selection import Box, Cylinder, Plane, Selection, Sphere
+from duhamel.preprocess.body.selection import (
+    Box,
+    Cylinder,
+    Face,
+    Hole,
+    Plane,
+    Selection,
+    Sphere,
+)
 from numpy.typing import ArrayLike
 
 from .vectors import vector
@@ -121,6 +129,46 @@ def node(point: ArrayLike, *, tolerance: float = 1e-3) -> Selection:
 def group(name: str) -> Selection:
     """The facets, nodes or elements of a named group of the mesh."""
     return Selection(group=name)
+
+
+def hole(near: ArrayLike, radius: float | None = None, *, tolerance: float = 1e-3) -> Selection:
+    """The wall of a hole of a CAD file.
+
+    Parameters
+    ----------
+    near : (3,) [m]
+        A point in the hole, as its center.
+    radius : float, optional [m]
+        Its radius, which must agree within 1 %; needed where holes meet, as a counterbore.
+    tolerance : float
+        How far the point may be outside, relative to the size of the part.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> print(du.hole([0.02, 0.03, 0.004], radius=0.005))
+    hole near [0.02, 0.03, 0.004] of radius 0.005
+    """
+    return Selection(hole=Hole(near=vector(near), radius=radius, tolerance=tolerance))
+
+
+def face(near: ArrayLike, *, tolerance: float = 1e-3) -> Selection:
+    """A face of a CAD file, plane or curved; faces of one plane or cylinder that meet are one.
+
+    Parameters
+    ----------
+    near : (3,) [m]
+        A point on the face.
+    tolerance : float
+        How far the point may be from it, relative to the size of the part.
+
+    Examples
+    --------
+    >>> import duhamel as du
+    >>> print(du.face([0.05, 0.03, 0.0]))
+    face near [0.05, 0.03, 0.0]
+    """
+    return Selection(face=Face(near=vector(near), tolerance=tolerance))
 
 
 def selection_of(given: Selection | str | Sequence[float] | ArrayLike) -> Selection:

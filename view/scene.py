@@ -67,11 +67,14 @@ class Marker:
     point : (3,) [m]
     has_axes : bool
         Whether it is a frame.
+    facing : (3,), optional
+        The outward normal of what it is on, which tells from which side it is seen.
     """
 
     name: str
     point: Array
     has_axes: bool = True
+    facing: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +247,8 @@ def _best_views(scene: Scene, cameras: Sequence[Array]) -> IntArray:
             )
     for row, mark in zip(shown, marks, strict=True):
         if not row.any():
-            row[:] = [(mark.point - middle) @ camera[2] for camera in cameras]
+            outward = mark.point - middle if mark.facing is None else mark.facing
+            row[:] = [outward @ camera[2] for camera in cameras]
     # What shows alike on both sides is named on the first.
     best: IntArray = np.argmax(
         shown >= shown.max(axis=1, keepdims=True) - 1e-2 * np.abs(shown), axis=1

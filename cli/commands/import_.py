@@ -1,10 +1,12 @@
-"""`duhamel import`: a robot as a model file."""
+"""`duhamel import`: a robot or the solids of a CAD file as a model file."""
 
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from ...cad.reading import CAD_SUFFIXES
 from ..arguments import TOML_SUFFIX, beside, file_argument, output_option
 from ..failures import errors_in_one_line, one_line, unwritten
 
@@ -12,8 +14,15 @@ if TYPE_CHECKING:
     from ...robots import FlexibleLink
 
 ROBOT_SUFFIXES = ".urdf", ".xml"
+CAD_OPTIONS = ("robot_file", "output", "size", "scale")
 RobotFile = Annotated[
-    Path, file_argument("ROBOT", "A robot in URDF, or in MJCF with mujoco.", *ROBOT_SUFFIXES)
+    Path,
+    file_argument(
+        "FILE",
+        "A robot in URDF, or in MJCF with mujoco; or parts in STEP, IGES or BREP with gmsh.",
+        *ROBOT_SUFFIXES,
+        *CAD_SUFFIXES,
+    ),
 ]
 Output = Annotated[Path | None, output_option("MODEL.toml", "Beside the robot unless given.")]
 Base = Annotated[
@@ -63,9 +72,18 @@ GearRatio = Annotated[
     float,
     typer.Option(metavar="NUMBER", help="Of the rotors by which armatures of MJCF are modeled."),
 ]
+Size = Annotated[
+    float | None,
+    typer.Option(metavar="METERS", help="Of the elements of parts of CAD, for some thousand each."),
+]
+Scale = Annotated[
+    float | None,
+    typer.Option(metavar="METERS", help="The unit of length of a .brep file, 1e-3 for mm."),
+]
 
 
 def import_(
+    context: typer.Context,
     robot_file: RobotFile,
     output: Output = None,
     base: Base = "fixed",
@@ -78,10 +96,17 @@ def import_(
     t_end: EndTime = 1.0,
     step: Step = 5e-4,
     gear_ratio: GearRatio = 100.0,
+    size: Size = None,
+    scale: Scale = None,
 ) -> None:
-    """Write the model file of a robot in URDF or MJCF: links, joints, limits, friction, servos."""
+    """Write the model of a robot in URDF or MJCF, or of the parts in a CAD file with body files."""
     from ... import files, robots
 
+    of_cad = robot_file.suffix.lower() in CAD_SUFFIXES
+    _require_own_options(context, CAD_OPTIONS if of_cad else None)
+    if of_cad:
+        _import_parts(robot_file, output, size, scale)
+        return
     target = output or beside(robot_file, TOML_SUFFIX)
     try:
         options = robots.ImportOptions(
@@ -111,6 +136,40 @@ def import_(
     }
     counted = ", ".join(f"{n} {_plural(word, n)}" for word, n in counts.items())
     typer.echo(one_line(f"{target}: {counted}; {imported.mass:.4g} kg"))
+
+
+def _require_own_options(context: typer.Context, own: tuple[str, ...] | None) -> None:
+    """Refuse options that belong to the other kind of file."""
+    for name in context.params:
+        source = context.get_parameter_source(name)
+        given = source is not None and source.name == "COMMANDLINE"
+        foreign = name in ("size", "scale") if own is None else name not in own
+        if given and foreign:
+            what = "robots" if own else "CAD files"
+            raise typer.BadParameter(f"--{name.replace('_', '-')}: is for {what}")
+
+
+def _import_parts(
+    source: Path, output: Path | None, size: float | None, scale: float | None
+) -> None:
+    from ... import cad
+    from ..assembly import import_assembly
+
+    target = output or beside(source, TOML_SUFFIX, "model")
+    for key, value in (("size", size), ("scale", scale)):
+        if value is not None and not (isfinite(value) and value > 0.0):
+            raise typer.BadParameter(f"--{key}: expected a positive number [m], got {value}")
+    with errors_in_one_line(cad), unwritten(target):
+        imported = import_assembly(source, target, size, scale)
+    for path in imported.bodies.values():
+        typer.echo(one_line(path))
+    n, joints = len(imported.bodies), imported.joints
+    typer.echo(
+        one_line(
+            f"{target}: {n} {_plural('body', n)}, {joints} {_plural('joint', joints)} to "
+            "uncomment; steel is assumed: look at each body file"
+        )
+    )
 
 
 def _flexible_link(text: str) -> "tuple[str, FlexibleLink]":

@@ -66,6 +66,7 @@ def preprocess(
 def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Superelement]") -> None:
     start = perf_counter()
     from ... import files, preprocess, superelement
+    from ...cad import is_cad
     from ..description import loss_in_words, measured_pairs
 
     target = output or beside(body_file, ".h5")
@@ -89,6 +90,8 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
             typer.echo(one_line(f"measured: {frequency.strip()}, {pair}"))
     if isinstance(body, preprocess.MeasuredBody):
         typer.echo(one_line(element.provenance.method))
+    elif any(map(is_cad, body.files)):
+        typer.echo(one_line(f"mesh: {element.provenance.mesh}"))
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
@@ -102,7 +105,7 @@ def _survey(body_file: Path, output: Path | None) -> None:
 
     from ... import files, preprocess, view
     from ...preprocess.survey import survey
-    from ..survey import report, scene
+    from ..survey import features_to_copy, report, scene
 
     target = output or beside(body_file, ".png")
     with errors_in_one_line(files, preprocess, view):
@@ -116,6 +119,8 @@ def _survey(body_file: Path, output: Path | None) -> None:
     with errors_in_one_line(view):
         view.save(view.draw_scene(scene(surveyed)), target)
     Console().print(report(surveyed))
+    for line in features_to_copy(surveyed):
+        typer.echo(one_line(line))
     typer.echo(one_line(target))
 
 

@@ -94,12 +94,13 @@ def table_nodes(selection: Selection, table: NodeTable) -> IntArray:
 
 def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
     """The facets (m,) of a group, or of the boundary, that lie in the shapes of a selection."""
-    if selection.group is None:
+    group = selection.facet_group
+    if group is None:
         candidates = np.flatnonzero(facets.boundary)
     else:
         cells = {
             kind: rows
-            for kind, rows in mesh.group(selection.group).cells.items()
+            for kind, rows in mesh.group(group).cells.items()
             if CELL_DIMENSIONS.get(kind) == 2
         }
         candidates = np.concatenate(
@@ -113,7 +114,7 @@ def mesh_facets(selection: Selection, mesh: Mesh, facets: Facets) -> IntArray:
         )
         # Facets cut by a shape are the usual mistake, so the message says that nodes are there.
         inside = nodes[chosen[nodes]]
-        what = "facet of the boundary" if selection.group is None else "facet"
+        what = "facet of the boundary" if group is None else "facet"
         near = f"only nodes do: {len(inside)}" if len(inside) else "nor does a node"
         raise InterfaceError(f"no {what} lies as a whole in {selection}, {near}")
     return numbers

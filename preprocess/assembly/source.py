@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 import scipy.sparse as sp
 
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..body.loads import LoadPattern
 from ..body.selection import Selection, SurfaceSelection
@@ -127,6 +128,11 @@ class Source(Protocol):
     @property
     def nodes(self) -> Nodes:
         """The nodes and their dofs."""
+        ...
+
+    @property
+    def geometry(self) -> CadGeometry | None:
+        """What the mesh was made of, of a CAD file."""
         ...
 
     def matrices(self) -> tuple[Any, Any]:

@@ -25,6 +25,7 @@ from ...inputs import (
 )
 from ...superelement import sha256
 from ..mesh.mesh import Mesh
+from .cad import FaceSize, check_cad
 from .damping import Damping, check_fit
 from .impulse import Impulse, Method
 from .loads import LoadPattern
@@ -157,7 +158,8 @@ class Body(NamedBody):
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
-    tetrahedra with nodes in the middle of their edges.
+    tetrahedra with nodes in the middle of their edges. size [m]: of the elements that a CAD file is
+    meshed with; sizes: smaller ones on holes and faces; solid: the name of one of its solids.
 
     Raises
     ------
@@ -187,6 +189,9 @@ class Body(NamedBody):
     matrices: Matrices | None = None
     scale: PositiveFloat = 1.0
     order: Annotated[Literal[1, 2], expected("1 or 2")] = 1
+    size: PositiveFloat | None = None
+    sizes: dict[str, FaceSize] = Field(default_factory=dict)
+    solid: str | None = None
     section: Section | None = None
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
@@ -219,6 +224,10 @@ class Body(NamedBody):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+
+    @rule
+    def _of_cad(self) -> None:
+        check_cad(self)
 
     @rule
     def _own_names(self) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...inputs import Vector, rule
-from .selection import Selection
+from .selection import FEATURE_KEYS, SHAPE_KEYS, Selection
 
 LOAD_KINDS = ("pressure", "traction", "force_per_volume", "force_per_length")
 
@@ -35,19 +35,20 @@ class LoadPattern(Selection):
     def _of_extent(self) -> None:
         if self.node is not None or self.nodes is not None or "at" in self.model_fields_set:
             raise ValueError(
-                "expected a group, plane, box, sphere or cylinder: a load at one point acts on an "
-                "interface"
+                "expected a group, hole, face, plane, box, sphere or cylinder: a load at one point "
+                "acts on an interface"
             )
         if self.kind in ("pressure", "traction") and not self.selectors:
             raise ValueError(
-                f"{self.kind}: expected what it acts on: group, plane, box, sphere or cylinder, "
-                "found none"
+                f"{self.kind}: expected what it acts on: group, hole, face, plane, box, sphere or "
+                "cylinder, found none"
             )
         # Shapes select facets or nodes; which elements lie in one would be a matter of taste.
-        if self.kind not in ("pressure", "traction") and self.shapes:
+        on_facets = self.given(*FEATURE_KEYS, *SHAPE_KEYS)
+        if self.kind not in ("pressure", "traction") and on_facets:
             raise ValueError(
                 f"{self.kind}: expected a group of elements, or none for the whole body, found "
-                f"{', '.join(self.shapes)}"
+                f"{', '.join(on_facets)}"
             )
 
     @property

@@ -1,4 +1,4 @@
-"""Selections on a mesh: nodes, groups and shapes in space."""
+"""Selections on a mesh: nodes, groups, shapes in space, and holes and faces of CAD files."""
 
 from typing import Annotated, Literal, Protocol
 
@@ -105,13 +105,45 @@ class Cylinder(Table):
         return inside
 
 
+class Hole(Table):
+    """A hole of a CAD file, by a point in it: its center, as the dry run lists it, or any other.
+
+    radius: that of the hole, which must agree within 1 %; needed where holes meet, as a
+    counterbore. tolerance: how far the point may be outside, relative to the size of the part.
+    """
+
+    near: Vector
+    radius: PositiveFloat | None = None
+    tolerance: PositiveFloat = 1e-3
+
+    def __str__(self) -> str:
+        of_radius = "" if self.radius is None else f" of radius {self.radius:g}"
+        return f"hole near {list(self.near)}{of_radius}"
+
+
+class Face(Table):
+    """A face of a CAD file, plane or curved, by a point on it.
+
+    Faces that meet and lie in one plane, or on one cylinder, are one. tolerance: how far the point
+    may be from the face, relative to the size of the part.
+    """
+
+    near: Vector
+    tolerance: PositiveFloat = 1e-3
+
+    def __str__(self) -> str:
+        return f"face near {list(self.near)}"
+
+
 SHAPE_KEYS = ("plane", "box", "sphere", "cylinder")
+FEATURE_KEYS = ("hole", "face")
 
 
 class Selection(Table):
     """Nodes or facets of a mesh: the node nearest to a point, or a group, or shapes in space.
 
-    Of a group together with shapes, the intersection.
+    Of a CAD file, a hole or a face in place of a group. Of a group, hole or face together with
+    shapes, the intersection.
 
     Of a solid, shapes select the facets of the boundary that lie in them as a whole, and a group
     those that it names; a group of points selects its points. Of a beam, both select nodes. Given
@@ -125,6 +157,8 @@ class Selection(Table):
     node: Vector | None = None
     nodes: Annotated[tuple[int, ...], Field(min_length=1)] | None = None
     group: str | None = None
+    hole: Hole | None = None
+    face: Face | None = None
     plane: Plane | None = None
     box: Box | None = None
     sphere: Sphere | None = None
@@ -142,6 +176,12 @@ class Selection(Table):
         if self.nodes is not None and others:
             raise ValueError(f"nodes stands alone, found it with {' and '.join(sorted(others))}")
 
+    @rule
+    def _one_set_of_facets(self) -> None:
+        # Two faces have no facet in common: their intersection would always be empty.
+        if len(found := self.given("group", *FEATURE_KEYS)) > 1:
+            raise ValueError(f"expected one of group, hole and face, found {' and '.join(found)}")
+
     def __and__(self, other: "Selection") -> "Selection":
         """What both select; ValueError where both give the same key, as two planes do."""
         keys = self.model_fields_set & other.model_fields_set
@@ -155,7 +195,17 @@ class Selection(Table):
     @property
     def selectors(self) -> set[str]:
         """The keys that select something."""
-        return set(self.given("node", "nodes", "group", *SHAPE_KEYS))
+        return set(self.given("node", "nodes", "group", *FEATURE_KEYS, *SHAPE_KEYS))
+
+    @property
+    def feature(self) -> Hole | Face | None:
+        """The hole or face of a CAD file, which is a group of the mesh by its words."""
+        return self.hole or self.face
+
+    @property
+    def facet_group(self) -> str | None:
+        """The group of the mesh that it selects from, None for its whole boundary."""
+        return self.group if self.feature is None else str(self.feature)
 
     @property
     def shapes(self) -> dict[str, Shape]:
@@ -175,8 +225,9 @@ class Selection(Table):
         return inside
 
     def __str__(self) -> str:
-        """The group and the shapes, for messages."""
+        """The group, hole or face and the shapes, for messages."""
         group = [] if self.group is None else [f"group {self.group!r}"]
+        group += [] if self.feature is None else [str(self.feature)]
         return " and ".join([*group, *(f"{key} ({shape})" for key, shape in self.shapes.items())])
 
 
@@ -194,8 +245,8 @@ class InterfaceSelection(Selection):
     def _selects(self) -> None:
         if not self.selectors:
             raise ValueError(
-                "expected node, or one or more of group, plane, box, sphere and cylinder, "
-                "found none"
+                "expected node, or one or more of group, hole, face, plane, box, sphere and "
+                "cylinder, found none"
             )
 
     @property
@@ -214,6 +265,6 @@ class SurfaceSelection(Selection):
         single = self.given("node", "nodes", "at")
         if single or not self.selectors:
             raise ValueError(
-                "expected facets, by one or more of group, plane, box, sphere and cylinder, "
-                f"found {' and '.join(sorted(single)) or 'none'}"
+                "expected facets, by one or more of group, hole, face, plane, box, sphere and "
+                f"cylinder, found {' and '.join(sorted(single)) or 'none'}"
             )

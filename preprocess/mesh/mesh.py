@@ -8,6 +8,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..errors import MeshError
 
@@ -38,7 +39,8 @@ class Group:
 class Mesh:
     """Points (n, 3) [m]; cells (n_cells, k) by type, both as meshio names and orders; groups.
 
-    labels (n,): the numbers that the file gives to points, None if none.
+    labels (n,): the numbers that the file gives to points, None if none; geometry: what it was
+    made of, of a CAD file.
 
     `body_types` are the types of the cells that make the body: lines alone, or solid cells of one
     or more types. Elements are counted through these types in their order: number n is a row of the
@@ -51,6 +53,7 @@ class Mesh:
     groups: Mapping[str, Group]
     body_types: tuple[str, ...]
     labels: IntArray | None = None
+    geometry: CadGeometry | None = None
 
     @property
     def used(self) -> NDArray[np.bool_]:

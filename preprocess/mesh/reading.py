@@ -38,12 +38,13 @@ _OF_CAD = (
 _NO_MESH = {
     **dict.fromkeys(
         _BY_GMSH,
-        "is geometry, no mesh: mesh it first, as by `gmsh FILE -3 -order 2 -o part.msh`",
+        "is geometry, no mesh: name it in a body file or by du.Part.from_step, with the size of "
+        "elements",
     ),
     **dict.fromkeys(
         _OF_CAD,
-        "is geometry of a CAD program, no mesh: save it as STEP and mesh that, as by `gmsh "
-        "part.step -3 -order 2 -o part.msh`, or save a mesh as .inp or .bdf there",
+        "is geometry of a CAD program, no mesh: save it as STEP, which body files may name, or "
+        "save a mesh as .inp or .bdf there",
     ),
     ".mnf": "is a modal neutral file, which has modes and no stiffness: take the mesh that it was "
     "made from, or stiffness and mass matrices ([matrices])",

@@ -26,6 +26,7 @@ class GivenSource:
 
     model: GivenModel
     stiffening: float = 1.0
+    geometry: None = None
 
     @property
     def name(self) -> str:

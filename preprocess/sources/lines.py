@@ -39,6 +39,7 @@ class LineSource:
     mesh: Mesh
     body: Body
     facets: None = None
+    geometry: None = None
 
     @property
     def name(self) -> str:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ...cad import is_cad
 from ..assembly.source import MeshSource, Source
 from ..body.body import Body
 from ..body.loss import relaxed, stiffenings
@@ -14,6 +15,7 @@ from ..mesh.mesh import Mesh
 from ..mesh.quadratic import quadratic
 from ..mesh.reading import files_of as mesh_files
 from ..mesh.reading import read_mesh
+from .cad import mesh_of_cad
 from .given import GivenSource
 from .lines import LineSource
 
@@ -71,7 +73,12 @@ def read_mesh_source(body: Body) -> MeshSource:
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
     # A mesh in memory was scaled when it was made.
-    mesh = body.mesh if isinstance(body.mesh, Mesh) else read_mesh(body.mesh, body.scale)
+    if isinstance(body.mesh, Mesh):
+        mesh = body.mesh
+    elif is_cad(body.mesh):
+        mesh = mesh_of_cad(body, body.mesh)
+    else:
+        mesh = read_mesh(body.mesh, body.scale)
     if body.order == 2:
         mesh = quadratic(mesh)
     if mesh.body_types == LINE_CELLS:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, facet_frame, nodal_frame, point_frame
 from ..assembly.selected import (
@@ -59,6 +60,10 @@ class SolidSource:
     @property
     def name(self) -> str:
         return self.mesh.name
+
+    @property
+    def geometry(self) -> CadGeometry | None:
+        return self.mesh.geometry
 
     @cached_property
     def nodes(self) -> Nodes:

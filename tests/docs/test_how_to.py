@@ -20,7 +20,7 @@ WALKED = "how-to/drop-test.md"
 """the guide that shows whole files and commands"""
 OWN_WALKS = (
     *("how-to/robot-arm.md", "how-to/hammer-test.md", "how-to/robots.md"),
-    "how-to/controller-fmu.md",
+    *("how-to/controller-fmu.md", "how-to/cad.md"),
 )
 
 ALL = sorted(f"how-to/{path.name}" for path in (ROOT / "docs" / "how-to").glob("*.md"))

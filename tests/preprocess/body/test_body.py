@@ -144,7 +144,7 @@ MISTAKES = [
     (
         "node = [0, 0, 0]",
         "tolerance = 0.1",
-        r"interfaces\.root: expected node, or one .* group, plane, box, .* found none",
+        r"interfaces\.root: expected node, or one .* group, hole, face, plane, box, .* found none",
     ),
     (
         "node = [0, 0, 0]",

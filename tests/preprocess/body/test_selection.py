@@ -173,7 +173,7 @@ def test_shapes_without_a_whole_facet(solid_body, box, selection, message):
         ),
         (
             'at = [0, 0, 0]\nkind = "rigid"',
-            "expected node, or one or more of group, plane, box, sphere and cylinder",
+            "expected node, or one or more of group, hole, face, plane, box, sphere and cylinder",
         ),
     ],
 )

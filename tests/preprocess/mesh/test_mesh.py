@@ -191,8 +191,11 @@ def test_a_mesh_whose_volumes_are_no_numbers_is_refused(box, tmp_path):
 @pytest.mark.parametrize(
     ("suffix", "advice"),
     [
-        (".step", "is geometry, no mesh: mesh it first, as by `gmsh FILE -3 -order 2"),
-        (".SLDPRT", "is geometry of a CAD program, no mesh: save it as STEP and mesh that"),
+        (".step", "is geometry, no mesh: name it in a body file or by du.Part.from_step"),
+        (
+            ".SLDPRT",
+            "is geometry of a CAD program, no mesh: save it as STEP, which body files may name",
+        ),
         (".mnf", "is a modal neutral file, .* take the mesh that it was made from, or stiffness"),
         (".odb", "is a database or results of another program: save the mesh there as .inp"),
     ],
