@@ -129,14 +129,15 @@ class NonlinearCoordinates(Table):
 class Matrices(Table):
     """Files of a finite element model of another program: K [N/m ...], M [kg ...], nodes [m].
 
-    The body must be free in space.
+    The body must be free in space. Nothing is scaled: all files must be in SI units.
 
-    nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where
-    neither they say so nor the rows are three or six for each node in its order.
+    mass: the file of the stiffness unless given, where that holds both matrices. nodes: labels and
+    coordinates; dofs: node and direction of every row of the matrices, where neither they say so
+    nor the rows are three or six for each node in its order.
     """
 
     stiffness: FilePath
-    mass: FilePath
+    mass: FilePath | None = None
     nodes: FilePath
     dofs: FilePath | None = None
 

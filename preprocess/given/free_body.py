@@ -100,11 +100,15 @@ def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
     held = worst[:3].max() > RIGID_FORCE
     motion = int((worst[:3] if held else worst).argmax())
     cause = HELD_ADVICE if held else MISPLACED_ADVICE
+    # A has rotations by 1 / size: that of one radian has more energy.
+    energy = 0.5 * float(A[:, motion] @ (model.K @ A[:, motion]))
+    unit, scale = ("m", 1.0) if motion < 3 else ("rad", model.table.size)
     raise MatrixError(
         f"{model.name}: expected no resistance to rigid motion, found under "
         f"{RIGID_MOTIONS[motion]} forces of {worst[motion]:.1e} of the stiffness, expected "
         f"{RIGID_FORCE:g} at most, the largest "
-        f"on {model.dof(int(share[:, motion].argmax()))}: {cause}"
+        f"on {model.dof(int(share[:, motion].argmax()))}: {cause}; "
+        f"the motion has a strain energy of {energy * scale**2:.3g} J at 1 {unit}"
     )
 
 

@@ -11,7 +11,7 @@ from ..errors import MatrixError
 from ..mesh.mesh import IntArray
 from ..mesh.nodes import Nodes
 from .matrix_files import MatrixFile, read_matrix
-from .node_table import NodeTable, as_integers, read_columns, read_nodes
+from .node_table import NodeTable, read_dofs, read_nodes
 
 MAX_ASYMMETRY = 1e-10  # of K, relative to its largest entry: rounding
 DOFS_PER_NODE = 6
@@ -45,7 +45,10 @@ def read_matrices(files: Matrices) -> GivenModel:
     not symmetric.
     """
     table = read_nodes(files.nodes)
-    stiffness, mass = read_matrix(files.stiffness, "KGG"), read_matrix(files.mass, "MGG")
+    stiffness = read_matrix(files.stiffness, "KGG")
+    if files.mass is None and not stiffness.named:
+        raise MatrixError(f"matrices.mass: expected a file, for {stiffness.name} holds one matrix")
+    mass = read_matrix(files.mass or files.stiffness, "MGG")
     rows = [_slots(file, files, table) for file in (stiffness, mass)]
     # Both matrices decide: a dof with mass alone is still one, and is refused later by name.
     used = np.zeros(DOFS_PER_NODE * len(table.labels), dtype=bool)
@@ -70,13 +73,18 @@ def _slots(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
     n, n_nodes = file.entries.shape[0], len(table.labels)
     dofs = file.dofs
     if dofs is None and files.dofs is not None:
-        dofs = as_integers(files.dofs, read_columns(files.dofs, "label, dof"), "labels and dofs")
+        dofs = read_dofs(files.dofs)
         if len(dofs) != n:
             raise MatrixError(
                 f"{files.dofs}: expected a row for each of the {n} of {file.name}, "
                 f"found {len(dofs)}"
             )
     if dofs is None:
+        if file.dofs_file:
+            raise MatrixError(
+                f"{file.name}: expected the node and direction of its rows, found none: name the "
+                f"file {file.dofs_file} that was written with it in matrices.dofs"
+            )
         if n not in (3 * n_nodes, DOFS_PER_NODE * n_nodes):
             raise MatrixError(
                 f"{file.name}: expected {3 * n_nodes} or {6 * n_nodes} rows, three or six for "

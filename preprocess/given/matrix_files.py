@@ -1,4 +1,4 @@
-"""Files of sparse matrices: Matrix Market, scipy's .npz, Abaqus and Nastran."""
+"""Files of sparse matrices: Matrix Market, scipy's .npz, Abaqus, CalculiX and Nastran."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
-from .damage import MATRIX_DAMAGE, about_matrices, arrays, load_rows, require_text
+from .damage import MATRIX_DAMAGE, about_matrices, arrays, load_rows, require_text, whole_numbers
 from .market import MARKET_HEAD, read_market
 
 MARKET_HEAD_BYTES = MARKET_HEAD.encode()
@@ -23,12 +23,15 @@ class MatrixFile:
     """A square matrix as its file has it, entries (n, n) sparse; perhaps half of a symmetric one.
 
     dofs (n, 2): label of the node and direction, 1 to 6, of every row where the file says them,
-    else None.
+    else None. dofs_file: the suffix of the file beside it that must say them, else empty. named:
+    whether the file tells by a name which of several matrices this is.
     """
 
     name: str
     entries: Any
     dofs: IntArray | None = None
+    dofs_file: str = ""
+    named: bool = False
 
 
 def read_matrix(path: Path, name: str) -> MatrixFile:
@@ -122,6 +125,27 @@ def _abaqus(path: Path) -> MatrixFile:
     return MatrixFile(path.name, _coo(table[:, -1], rows, columns, len(keys)), dofs)
 
 
+def _calculix(path: Path, _: str) -> MatrixFile:
+    """A triangle of CalculiX, "row column value" from 1 on, of which a .dof file tells the dofs.
+
+    Source: CalculiX CrunchiX User's Manual, *FREQUENCY, SOLVER=MATRIXSTORAGE.
+    """
+    require_text(path)
+    try:
+        table = load_rows(path)
+    except ValueError as error:
+        raise MatrixError(f"not a matrix of CalculiX: {in_one_line(error)}") from error
+    if table.shape[1] != 3 or not len(table):
+        raise MatrixError(
+            f"expected rows 'row column value' of CalculiX, found {table.shape[1]} columns"
+        )
+    rows, columns = (whole_numbers(table[:, i], "rows and columns") - 1 for i in (0, 1))
+    if min(rows.min(), columns.min()) < 0 or max(rows.max(), columns.max()) >= MAX_LABEL:
+        raise MatrixError("expected rows and columns from 1 on, found others")
+    n = int(max(rows.max(), columns.max())) + 1
+    return MatrixFile(path.name, _coo(table[:, 2], rows, columns, n), dofs_file=".dof")
+
+
 def _coo(values: Any, rows: IntArray, columns: IntArray, n: int) -> Any:
     return sp.coo_array((values, (rows, columns)), shape=(n, n))
 
@@ -129,8 +153,14 @@ def _coo(values: Any, rows: IntArray, columns: IntArray, n: int) -> Any:
 def _op4(path: Path, name: str) -> MatrixFile:
     from .op4 import read_op4
 
-    return MatrixFile(path.name, read_op4(path, name))
+    return MatrixFile(path.name, read_op4(path, name), named=True)
 
 
-_READERS: dict[str, Callable[[Path, str], MatrixFile]] = {".npz": _npz, ".mtx": _mtx, ".op4": _op4}
+_READERS: dict[str, Callable[[Path, str], MatrixFile]] = {
+    ".npz": _npz,
+    ".mtx": _mtx,
+    ".sti": _calculix,
+    ".mas": _calculix,
+    ".op4": _op4,
+}
 """By suffix."""

@@ -12,7 +12,9 @@ from ...superelement.validation import Array
 from ..errors import MatrixError
 from ..mesh.mesh import NO_NODES, IntArray
 from ..mesh.numbering import Numbering
-from .damage import about_matrices, arrays, load_rows, whole_numbers
+from .damage import about_matrices, arrays, load_rows, require_text, whole_numbers
+
+MAX_DIGITS = 18  # of labels, which are integers of 64 bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +75,29 @@ def read_nodes(path: Path) -> NodeTable:
             f"found node {labels[count > 1][0]} {count.max()} times"
         )
     return table
+
+
+def read_dofs(path: Path) -> IntArray:
+    """The label of the node and the direction (n, 2) of every row of the matrices.
+
+    A table "label, dof", or of CalculiX (.dof) "label.dof". `MatrixError`.
+    """
+    with about_matrices(path, "labels and dofs"):
+        if path.suffix.lower() == ".dof":
+            require_text(path)
+            # As text: a point between two integers is no decimal one.
+            words = path.read_text(encoding="utf-8").split()
+            pairs = [word.partition(".")[::2] for word in words]
+            wrong = [word for word, pair in zip(words, pairs, strict=True) if not _whole(pair)]
+            if wrong or not words:
+                raise MatrixError(f"expected 'label.dof', found {(wrong or ['nothing'])[0]!r}")
+            return np.array(pairs, dtype=np.int64)
+    return as_integers(path, read_columns(path, "label, dof"), "labels and dofs")
+
+
+def _whole(words: tuple[str, ...]) -> bool:
+    """Whether all words are digits alone, and few enough for integers of 64 bits."""
+    return all(word.isascii() and word.isdigit() and len(word) < MAX_DIGITS for word in words)
 
 
 def read_columns(path: Path, columns: str) -> Array:
