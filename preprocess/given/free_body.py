@@ -74,7 +74,9 @@ def _check_stiffness(model: GivenModel) -> None:
             f"{model.name}: expected stiffness on every dof, found none on {len(loose)}, "
             f"first {model.dof(loose[0])}"
         )
-    entries = model.K.tocoo()
+    # Generalized coordinates connect nothing: their stiffness may be theirs alone.
+    n_nodal = model.nodes.n_dofs - model.nodes.generalized
+    entries = model.K[:n_nodal, :n_nodal].tocoo()
     owner, n_nodes = model.nodes.owner, len(model.nodes.points)
     graph = sp.coo_array(
         (np.ones(entries.nnz), (owner[entries.row], owner[entries.col])), shape=(n_nodes, n_nodes)

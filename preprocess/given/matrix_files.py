@@ -23,7 +23,7 @@ class MatrixFile:
     """A square matrix as its file has it, entries (n, n) sparse; perhaps half of a symmetric one.
 
     dofs (n, 2): label of the node and direction, 1 to 6, of every row where the file says them,
-    else None. dofs_file: the suffix of the file beside it that must say them, else empty. named:
+    else None; direction 0 of a generalized coordinate, which belongs to no node. dofs_file: the suffix of the file beside it that must say them, else empty. named:
     whether the file tells by a name which of several matrices this is.
     """
 
@@ -34,9 +34,9 @@ class MatrixFile:
     named: bool = False
 
 
-def read_matrix(path: Path, name: str) -> MatrixFile:
-    """Read a matrix; of a file with several (Nastran) that of this name. `MatrixError` says why it
-    cannot be read.
+def read_matrix(path: Path, names: tuple[str, ...]) -> MatrixFile:
+    """Read a matrix; of a file with several the first of these names that is there. `MatrixError`
+    says why it cannot be read.
     """
     read = _READERS.get(path.suffix.lower())
     if read is None:
@@ -45,7 +45,7 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
             f"found {path.suffix or 'no suffix'}"
         )
     with about_matrices(path, "a matrix"):
-        matrix = read(path, name)
+        matrix = read(path, names)
     rows, columns = matrix.entries.shape
     if rows != columns:
         raise MatrixError(
@@ -61,13 +61,13 @@ def read_matrix(path: Path, name: str) -> MatrixFile:
     return matrix
 
 
-def _npz(path: Path, _: str) -> MatrixFile:
+def _npz(path: Path, _: tuple[str, ...]) -> MatrixFile:
     """A file of scipy.sparse.save_npz."""
     with arrays(path, "a sparse matrix of scipy"):
         return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
 
 
-def _mtx(path: Path, _: str) -> MatrixFile:
+def _mtx(path: Path, _: tuple[str, ...]) -> MatrixFile:
     """Matrix Market if the first line says so, else Abaqus."""
     require_text(path)
     with path.open("rb") as file:
@@ -115,17 +115,22 @@ def _abaqus(path: Path) -> MatrixFile:
         rows, columns = labels.T - 1
         return MatrixFile(path.name, _coo(table[:, -1], rows, columns, int(labels.max())))
     pairs = np.concatenate([labels[:, :2], labels[:, 2:]])
+    dofs, number = numbered(pairs)
+    rows, columns = np.split(number, 2)
+    return MatrixFile(path.name, _coo(table[:, -1], rows, columns, len(dofs)), dofs)
+
+
+def numbered(pairs: IntArray) -> tuple[IntArray, IntArray]:
+    """The different dofs (k, 2) among pairs (n, 2) of label and direction, and the row of each."""
     # One number for node and dof: rows of a table sort much slower.
-    width = int(pairs[:, 1].max()) + 1
+    width = int(pairs[:, 1].max(initial=0)) + 1
     if width > MAX_LABEL:
         raise MatrixError(f"expected dofs of nodes, 1 to 6, found {width - 1}")
     keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)
-    rows, columns = np.split(number, 2)
-    dofs = np.stack([keys // width, keys % width], axis=1)
-    return MatrixFile(path.name, _coo(table[:, -1], rows, columns, len(keys)), dofs)
+    return np.stack([keys // width, keys % width], axis=1), number
 
 
-def _calculix(path: Path, _: str) -> MatrixFile:
+def _calculix(path: Path, _: tuple[str, ...]) -> MatrixFile:
     """A triangle of CalculiX, "row column value" from 1 on, of which a .dof file tells the dofs.
 
     Source: CalculiX CrunchiX User's Manual, *FREQUENCY, SOLVER=MATRIXSTORAGE.
@@ -150,17 +155,26 @@ def _coo(values: Any, rows: IntArray, columns: IntArray, n: int) -> Any:
     return sp.coo_array((values, (rows, columns)), shape=(n, n))
 
 
-def _op4(path: Path, name: str) -> MatrixFile:
+def _op4(path: Path, names: tuple[str, ...]) -> MatrixFile:
     from .op4 import read_op4
 
-    return MatrixFile(path.name, read_op4(path, name), named=True)
+    return MatrixFile(path.name, read_op4(path, names), named=True)
 
 
-_READERS: dict[str, Callable[[Path, str], MatrixFile]] = {
+def _dmig(path: Path, names: tuple[str, ...]) -> MatrixFile:
+    from .dmig import read_dmig
+
+    entries, dofs = read_dmig(path, names)
+    return MatrixFile(path.name, entries, dofs, named=True)
+
+
+_READERS: dict[str, Callable[[Path, tuple[str, ...]], MatrixFile]] = {
     ".npz": _npz,
     ".mtx": _mtx,
     ".sti": _calculix,
     ".mas": _calculix,
     ".op4": _op4,
+    ".pch": _dmig,
+    ".dmig": _dmig,
 }
 """By suffix."""

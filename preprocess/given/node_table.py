@@ -1,7 +1,7 @@
 """Nodes by label: positions and groups."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -19,12 +19,20 @@ MAX_DIGITS = 18  # of labels, which are integers of 64 bits
 
 @dataclass(frozen=True, eq=False)
 class NodeTable:
-    """labels (n,) and points (n, 3) [m] of nodes, and groups of them as rows (k,) of the table."""
+    """labels (n,) and points (n, 3) [m] of nodes, and groups of them as rows (k,) of the table.
+
+    axes (n, 3, 3): those of the dofs of nodes as rows, None where all have the ones of the points.
+    scalars (k,): labels of generalized coordinates. by_label: whether rows of matrices without
+    labels are in the order of labels, not of the table.
+    """
 
     name: str
     labels: IntArray
     points: Array
     groups: Mapping[str, IntArray] = field(default_factory=dict)
+    axes: Array | None = None
+    scalars: IntArray = field(default_factory=lambda: NO_NODES)
+    by_label: bool = False
 
     @cached_property
     def _numbering(self) -> Numbering:
@@ -50,7 +58,23 @@ class NodeTable:
         groups = {
             name: new_row[members][new_row[members] >= 0] for name, members in self.groups.items()
         }
-        return NodeTable(self.name, self.labels[rows], self.points[rows], groups)
+        axes = None if self.axes is None else self.axes[rows]
+        return replace(
+            self, labels=self.labels[rows], points=self.points[rows], groups=groups, axes=axes
+        )
+
+    def dofs(self, per_node: int) -> IntArray:
+        """The label and direction (n, 2) of all dofs in the order of the program's matrices.
+
+        Generalized coordinates, of direction 0, are in the order of labels too.
+        """
+        labels = np.repeat(self.labels, per_node)
+        directions = np.tile(np.arange(1, per_node + 1), len(self.labels))
+        dofs = np.stack([labels, directions], axis=1)
+        scalars = np.stack([self.scalars, np.zeros_like(self.scalars)], axis=1)
+        dofs = np.concatenate([dofs, scalars])
+        # A stable order keeps the directions of a node.
+        return dofs[np.argsort(dofs[:, 0], kind="stable")] if self.by_label else dofs
 
 
 def read_nodes(path: Path) -> NodeTable:
@@ -157,7 +181,9 @@ def _of_mesh(path: Path) -> NodeTable:
         nodes = [cells[kind][rows].ravel() for kind, rows in group.cells.items()]
         groups[name] = np.unique(np.concatenate([NO_NODES, group.points, *nodes]))
     labels = np.arange(1, len(draft.points) + 1) if draft.labels is None else draft.labels
-    return NodeTable(path.name, labels, draft.points, groups)
+    return NodeTable(
+        path.name, labels, draft.points, groups, draft.axes(), draft.scalars, draft.by_label
+    )
 
 
 _READERS = {".csv": _of_table, ".txt": _of_table, ".npz": _of_npz}

@@ -20,7 +20,7 @@ from .formats.nastran_deck import nastran_include
 from .formats.text import files
 from .mesh import Mesh
 
-_NASTRAN = (".bdf", ".nas", ".dat", ".fem")
+_NASTRAN = (".bdf", ".nas", ".dat", ".fem", ".asm")
 _XDMF = (".xdmf", ".xmf")
 _READERS = {
     ".msh": gmsh.read,

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 from duhamel.preprocess import Body, MatrixError, MeshWarning, assemble, build
+from duhamel.preprocess.given.dmig import read_dmig
+from duhamel.preprocess.given.matrix_names import MASS_NAMES, STIFFNESS_NAMES
+from duhamel.preprocess.given.op4 import read_op4
 from scipy.linalg import eigh
 
 from ..conftest import IMPULSE
@@ -88,3 +91,85 @@ def written(files: dict[str, Path], text: str) -> Path:
     path = files["stiffness"].with_name("spoiled.dof")
     path.write_text(text)
     return path
+
+
+@pytest.fixture
+def nastran(tmp_path) -> dict[str, Path]:
+    """A frame as an external superelement: four points, one with axes of its own, and 22 modes."""
+    op4 = tmp_path / "outboard.op4"
+    op4.write_bytes(lzma.decompress((CODES / "nastran" / "outboard.op4.xz").read_bytes()))
+    return {"stiffness": op4, "nodes": CODES / "nastran" / "outboard.asm"}
+
+
+CORNERS = {"one": {"nodes": [3]}, "other": {"nodes": [11]}}
+
+
+def test_nastran_superelement_has_the_mass_that_nastran_prints(nastran):
+    """Those of its grid point weight generator, in its units: kg, mm."""
+    rigid = assemble(body(CORNERS, matrices=nastran)).rigid
+    assert rigid.mass == pytest.approx(1.590384, rel=1e-6)
+    assert rigid.center == pytest.approx([184.6398, 150.0, 150.0], rel=1e-6)
+    diagonal, product = [3.569328e5, 4.515897e4, 3.763282e5], -1.095583e2
+    assert np.diag(rigid.J_rot) == pytest.approx(diagonal, rel=1e-6)
+    assert rigid.J_rot[1, 2] == pytest.approx(product, rel=1e-5)
+
+
+def test_modes_of_a_nastran_superelement_with_its_points_held(nastran):
+    """The first and the last eigenvalue that Nastran prints of them."""
+    structure = assemble(body(CORNERS, matrices=nastran))
+    modal = slice(structure.nodes.n_dofs - structure.nodes.generalized, None)
+    K, M = structure.K.toarray()[modal, modal], structure.M.toarray()[modal, modal]
+    held = eigh(K, M, eigvals_only=True)
+    assert len(held) == 22
+    assert held[[0, -1]] == pytest.approx([1.074802e2, 8.818442e6], rel=1e-6)
+
+
+def test_axes_of_nodes_that_are_ignored_are_refused(nastran, tmp_path):
+    """Point 11 has its dofs in system 10: without it the body could not rotate freely."""
+    deck = (
+        nastran["nodes"].read_text().replace("0.300000000E+03              10", "3.E+2" + 27 * " ")
+    )
+    (tmp_path / "basic.asm").write_text(deck)
+    with pytest.raises(MatrixError, match=r"no resistance to rigid motion.*dofs? "):
+        assemble(body(CORNERS, matrices={**nastran, "nodes": tmp_path / "basic.asm"}))
+
+
+def test_punched_matrices_are_those_of_op4(nastran, tmp_path):
+    """DMIG of the same matrices, by labels in another order, of one the lower half alone."""
+    whole = assemble(body(CORNERS, matrices=nastran))
+    names = {"KAAX": STIFFNESS_NAMES, "MAAX": MASS_NAMES}
+    dofs = [(node, i) for node in (3, 11, 19, 27) for i in range(1, 7)]
+    dofs += [(1995001 + i, 0) for i in range(22)]
+    text = "$ punched\n"
+    for name, of_file in names.items():
+        text += dmig(name, read_op4(nastran["stiffness"], of_file).toarray(), dofs)
+    (tmp_path / "part.pch").write_text(text)
+    punched = assemble(body(CORNERS, matrices={**nastran, "stiffness": tmp_path / "part.pch"}))
+    for one, other in ((punched.K, whole.K), (punched.M, whole.M)):
+        # Ten digits are what fields of 16 letters hold.
+        assert (abs(one - other) - 1e-9 * abs(other)).max() <= 1e-16 * abs(other).max()
+
+
+def dmig(name: str, matrix: Any, dofs: list[tuple[int, int]]) -> str:
+    """Cards of a symmetric matrix, the last column first."""
+    text = f"DMIG    {name:8}{0:8}{6:8}{2:8}{0:8}\n"
+    for j in reversed(range(len(dofs))):
+        rows = [i for i in range(j, len(dofs)) if matrix[i, j]]
+        if rows:
+            text += f"DMIG*   {name:16}{dofs[j][0]:16}{dofs[j][1]:16}\n"
+        for i in rows:
+            text += f"*       {dofs[i][0]:16}{dofs[i][1]:16}{matrix[i, j]:16.9E}\n"
+    return text
+
+
+def test_matrices_that_nastran_punched(tmp_path):
+    """A square one with j in column j, and a symmetric one with ones on its diagonal."""
+    packed = CODES / "nastran" / "matrix_factory.pch.xz"
+    path = tmp_path / "matrix_factory.pch"
+    path.write_bytes(lzma.decompress(packed.read_bytes()))
+    pattern, dofs = read_dmig(path, ("PATRN",))
+    assert dofs.tolist()[:2] + dofs.tolist()[-2:] == [[1, 1], [1, 2], [11, 0], [12, 0]]
+    np.testing.assert_array_equal(pattern.toarray(), np.ones((21, 1)) * np.arange(1, 22))
+    np.testing.assert_array_equal(read_dmig(path, ("IDENT",))[0].toarray(), np.eye(21))
+    with pytest.raises(MatrixError, match=r"expected a matrix KGG, .* found PATRN, IDENT"):
+        read_dmig(path, STIFFNESS_NAMES)

@@ -501,7 +501,12 @@ def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
 @pytest.mark.parametrize(
     ("key", "name", "content", "message"),
     [
-        ("stiffness", "K.csv", "", r"K.csv: expected a file of type .npz, .mtx, .sti, .mas, .op4, found .csv"),
+        (
+            "stiffness",
+            "K.csv",
+            "",
+            r"K.csv: expected a file of type .npz, .mtx, .sti, .mas, .op4, .* found .csv",
+        ),
         ("stiffness", "none.mtx", None, r"none.mtx: no such file of a matrix"),
         ("stiffness", "K.npz", "text", r"K.npz: expected a sparse matrix of scipy"),
         (
@@ -613,7 +618,9 @@ def test_files_of_nastran(solid, tmp_path):
     model = export(assemble(solid))
     files = model.write(tmp_path, op4_binary)
     swapped = {**files, "stiffness": files["mass"]}
-    with pytest.raises(MatrixError, match=r"M.op4: expected a matrix KGG, found OTHER, MGG"):
+    with pytest.raises(
+        MatrixError, match=r"M.op4: expected a matrix KGG, KAA, .* found OTHER, MGG"
+    ):
         assemble(given(swapped))
     files["mass"].write_bytes(files["mass"].read_bytes()[:-40])
     with pytest.raises(
