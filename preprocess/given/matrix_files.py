@@ -13,6 +13,8 @@ from ..errors import MatrixError
 from ..mesh.mesh import IntArray
 from .damage import MATRIX_DAMAGE, about_matrices, arrays, load_rows, require_text, whole_numbers
 from .market import MARKET_HEAD, read_market
+from .matrix_names import STIFFNESS_NAMES
+from .user_element import is_user_element, read_user_element
 
 MARKET_HEAD_BYTES = MARKET_HEAD.encode()
 MAX_LABEL = 2.0**31  # a label or a row: two of them are one number of 64 bits
@@ -23,8 +25,9 @@ class MatrixFile:
     """A square matrix as its file has it, entries (n, n) sparse; perhaps half of a symmetric one.
 
     dofs (n, 2): label of the node and direction, 1 to 6, of every row where the file says them,
-    else None; direction 0 of a generalized coordinate, which belongs to no node. dofs_file: the suffix of the file beside it that must say them, else empty. named:
-    whether the file tells by a name which of several matrices this is.
+    else None; direction 0 of a generalized coordinate, which belongs to no node. dofs_file: the
+    suffix of the file beside it that must say them, else empty. named: whether the file tells by a
+    name which of several matrices this is.
     """
 
     name: str
@@ -67,12 +70,18 @@ def _npz(path: Path, _: tuple[str, ...]) -> MatrixFile:
         return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
 
 
-def _mtx(path: Path, _: tuple[str, ...]) -> MatrixFile:
+def _mtx(path: Path, names: tuple[str, ...]) -> MatrixFile:
     """Matrix Market if the first line says so, else Abaqus."""
     require_text(path)
     with path.open("rb") as file:
         market = file.read(len(MARKET_HEAD_BYTES)) == MARKET_HEAD_BYTES
-    return _market(path) if market else _abaqus(path)
+    if market:
+        return _market(path)
+    if is_user_element(path):
+        kind = "STIFFNESS" if names is STIFFNESS_NAMES else "MASS"
+        entries, dofs = read_user_element(path, kind)
+        return MatrixFile(path.name, entries, dofs, named=True)
+    return _abaqus(path)
 
 
 def _market(path: Path) -> MatrixFile:

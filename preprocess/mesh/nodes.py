@@ -15,8 +15,8 @@ class Nodes:
     """Nodes at points (n, 3) [m] in mesh coordinates, with six dofs where `rotations` (n,), else
     three.
 
-    The dofs of the nodes follow each other in the order of the nodes. Behind them come `generalized`
-    ones, the amplitudes of shapes that leave all nodes at rest in a model that was reduced before.
+    The dofs of the nodes follow each other in the order of the nodes. Behind them come
+    `generalized` ones: amplitudes of shapes of a reduced model that leave all nodes at rest.
     """
 
     points: Array

@@ -58,7 +58,63 @@ def test_calculix_has_the_frequencies_of_the_same_elements_here(calculix):
 def test_groups_of_the_mesh_beside_name_interfaces(calculix):
     tip = build(body({"tip": {"group": "TIP"}}, matrices=calculix)).interfaces[0]
     assert tip.rotations
-    assert tip.X == pytest.approx([0.06, 0.0, 0.0], abs=1e-12)
+    np.testing.assert_allclose(tip.X, [0.06, 0.0, 0.0], atol=1e-12)
+
+
+def condensed(matrix: Any, shapes: Any) -> Any:
+    """Of a structure on the motions of some of its dofs, shapes (n, k)."""
+    return shapes.T @ matrix.toarray() @ shapes
+
+
+@pytest.fixture
+def substructure(calculix, tmp_path) -> tuple[dict[str, Path], Any, Any]:
+    """Files of the corners of the bar, and stiffness and mass that they must have.
+
+    CalculiX wrote the stiffness; the mass follows, in the same format.
+    """
+    whole = assemble(body(ENDS, matrices=calculix))
+    at_rim = np.isin(whole.nodes.points / [0.12, 0.04, 0.03], [0.0, 1.0])
+    ends = np.flatnonzero(at_rim.all(axis=1))
+    kept = whole.nodes.displacements[ends].ravel()
+    others = np.setdiff1d(np.arange(whole.nodes.n_dofs), kept)
+    shapes = np.zeros((whole.nodes.n_dofs, len(kept)))
+    shapes[kept] = np.eye(len(kept))
+    K = whole.K.toarray()
+    shapes[others] = -np.linalg.solve(K[np.ix_(others, others)], K[np.ix_(others, kept)])
+    M = condensed(whole.M, shapes)
+    text = (CODES / "calculix" / "ends.mtx").read_text()
+    lower = "".join(f"{value:.16e},\n" for value in M[np.tril_indices(len(M))])
+    (tmp_path / "ends.mtx").write_text(f"{text}*MATRIX,TYPE=MASS\n{lower}")
+    files = {"stiffness": tmp_path / "ends.mtx", "nodes": calculix["nodes"]}
+    return files, condensed(whole.K, shapes), M
+
+
+def test_a_substructure_is_what_is_condensed_to_its_nodes(substructure):
+    """CalculiX's *SUBSTRUCTURE MATRIX OUTPUT, as Abaqus writes it, beside its *FREQUENCY."""
+    files, K, M = substructure
+    found = assemble(body(ENDS, matrices=files))
+    assert np.abs(found.K.toarray() - K).max() <= 1e-12 * np.abs(K).max()
+    assert np.abs(found.M.toarray() - M).max() <= 1e-14 * np.abs(M).max()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("*MATRIX,TYPE=MASS", "*MATRIX,TYPE=DAMPING", r"TYPE=MASS, found STIFFNESS, DAMPING"),
+        ("*MATRIX,TYPE=MASS", "*MASS", r"expected \*USER ELEMENT .* found '\*MASS'"),
+        ("        24,         3\n", "", r"TYPE=STIFFNESS: expected 276 values for the 23 dofs"),
+        ("        24,         3\n", "        24,         0\n", r"dofs 1 to 6, found \(760, 0\)"),
+        ("        24,         3\n", "        25,         3\n", r"positions among 24 nodes on"),
+        ("** ELEMENT NODES", "** NODES", r"expected comments \*\* ELEMENT NODES with nodes"),
+        ("0.2", "O.2", r"expected a matrix: could not convert string to float"),
+    ],
+)
+def test_mistakes_in_a_substructure(substructure, old, new, message):
+    path = substructure[0]["stiffness"]
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(MatrixError, match=message):
+        assemble(body(ENDS, matrices=substructure[0]))
 
 
 def held(text: str) -> str:
