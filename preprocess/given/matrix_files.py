@@ -1,4 +1,6 @@
-"""Files of sparse matrices: Matrix Market, scipy's .npz, Abaqus, CalculiX and Nastran."""
+"""Files of sparse matrices: Matrix Market, scipy's .npz, ANSYS, Abaqus, CalculiX and
+Nastran.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -170,6 +172,15 @@ def _op4(path: Path, names: tuple[str, ...]) -> MatrixFile:
     return MatrixFile(path.name, read_op4(path, names), named=True)
 
 
+def _full(path: Path, names: tuple[str, ...]) -> MatrixFile:
+    from .ansys_full import read_full
+
+    full = read_full(path)
+    full.require_free()
+    entries = full.K if names is STIFFNESS_NAMES else full.M
+    return MatrixFile(path.name, entries, full.dofs, named=True)
+
+
 def _dmig(path: Path, names: tuple[str, ...]) -> MatrixFile:
     from .dmig import read_dmig
 
@@ -185,5 +196,6 @@ _READERS: dict[str, Callable[[Path, tuple[str, ...]], MatrixFile]] = {
     ".op4": _op4,
     ".pch": _dmig,
     ".dmig": _dmig,
+    ".full": _full,
 }
 """By suffix."""

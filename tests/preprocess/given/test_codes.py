@@ -6,11 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from duhamel.preprocess import Body, MatrixError, MeshWarning, assemble, build
+from duhamel.preprocess.given.ansys_full import read_full
 from duhamel.preprocess.given.dmig import read_dmig
 from duhamel.preprocess.given.matrix_names import MASS_NAMES, STIFFNESS_NAMES
 from duhamel.preprocess.given.op4 import read_op4
 from duhamel.preprocess.given.user_element import read_user_element
+from duhamel.preprocess.mesh.nodes import spider
+from duhamel.preprocess.mesh.reading import read_mesh
 from scipy.linalg import eigh
 
 from ..conftest import IMPULSE
@@ -119,7 +123,7 @@ def test_a_body_of_a_substructure(substructure):
         ("        24,         3\n", "        24,         0\n", r"dofs 1 to 6, found \(760, 0\)"),
         ("        24,         3\n", "        25,         3\n", r"positions among 24 nodes on"),
         ("** ELEMENT NODES", "** NODES", r"expected comments \*\* ELEMENT NODES with nodes"),
-        ("e+09", "e+O9", r"expected a matrix: could not convert string to float"),
+        ("e-0", "e-O", r"expected a matrix: could not convert string to float"),
     ],
 )
 def test_mistakes_in_a_substructure(substructure, old, new, message):
@@ -242,3 +246,40 @@ def test_matrices_that_nastran_punched(tmp_path):
     np.testing.assert_array_equal(read_dmig(path, ("IDENT",))[0].toarray(), np.eye(21))
     with pytest.raises(MatrixError, match=r"expected a matrix KGG, .* found PATRN, IDENT"):
         read_dmig(path, STIFFNESS_NAMES)
+
+
+@pytest.fixture(scope="module")
+def ansys() -> Path:
+    """A cantilever of 40 SOLID186 that comes with the reader, of which 21 nodes are held."""
+    examples = pytest.importorskip("ansys.mapdl.reader.examples")
+    return Path(examples.fullfile)
+
+
+def test_rows_of_ansys_belong_to_its_nodes(ansys):
+    """Where no neighbor is held, rigid motions of the nodes of the archive make no force.
+
+    With a wrong order of rows or of dofs they would. The archive has the mesh of the same beam.
+    """
+    full = read_full(ansys)
+    assert len(full.constrained) == 63
+    with pytest.warns(MeshWarning, match="materials"):
+        mesh = read_mesh(ansys.with_name("HexBeam.cdb"))
+    node = np.searchsorted(mesh.labels, full.dofs[:, 0])
+    motion = spider(mesh.points)[node, full.dofs[:, 1] - 1]
+    K = (full.K + sp.triu(full.K, 1).T).tocsr()[mesh.points[node, 2] > 0.6]
+    assert np.abs(K @ motion).max() <= 1e-12 * np.abs(K.data).max()
+
+
+def test_a_constrained_model_of_ansys_is_refused(ansys, calculix):
+    files = {"stiffness": ansys, "nodes": calculix["nodes"]}
+    with pytest.raises(MatrixError, match=r"file.full: .*free body, found 63 constrained dofs"):
+        assemble(body(ENDS, matrices=files))
+
+
+def test_a_file_of_ansys_that_breaks_off(ansys, calculix, tmp_path):
+    for size in (700_000, 3000, 100, 0):
+        broken = tmp_path / "broken.full"
+        broken.write_bytes(ansys.read_bytes()[:size])
+        files = {"stiffness": broken, "nodes": calculix["nodes"]}
+        with pytest.raises(MatrixError, match=r"broken.full: (expected 801596 bytes|not a .full)"):
+            assemble(body(ENDS, matrices=files))
