@@ -156,9 +156,10 @@ class Body(NamedBody):
     solids; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
-    tetrahedra with nodes in the middle of their edges.
+    for solids; with matrices none, or the material of elements beside them. scale: the unit of the
+    mesh's coordinates in meters, 1e-3 for millimeters. All else is in SI units. order: 2 makes
+    linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes in the
+    middle of their edges.
 
     Raises
     ------
@@ -210,7 +211,9 @@ class Body(NamedBody):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
+            # A material is that of elements beside the matrices, for stresses and stiffening.
+            without = {"mesh", "scale", "order", *makes} - {"material"}
+            others = self.model_fields_set & without
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "
@@ -348,7 +351,8 @@ class Body(NamedBody):
             )
         if self.damping.model_fields_set or any(self.loss_factors.values()):
             raise ValueError("damping: with [measured] it is that of the test, found another one")
-        if self.measured.rigid.mass is not None and not (self.material or self.materials):
+        has_density = self.matrices is None and bool(self.material or self.materials)
+        if self.measured.rigid.mass is not None and not has_density:
             raise ValueError(
                 "measured.rigid.mass: scales the density of [material] or [materials], found none"
             )

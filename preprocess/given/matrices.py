@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from ..body.body import Matrices
 from ..errors import MatrixError
-from ..mesh.mesh import IntArray
+from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .matrix_files import MatrixFile, read_matrix
 from .matrix_names import MASS_NAMES, STIFFNESS_NAMES
@@ -22,7 +22,8 @@ DOFS_PER_NODE = 6
 class GivenModel:
     """K [N/m ...] and M [kg ...] (n_u, n_u), sparse and symmetric, on the dofs of `nodes`.
 
-    `table` has the labels of the nodes.
+    `table` has the labels of the nodes; `mesh` the solid elements of their file, with nodes that
+    need not have dofs, None where there are none.
     """
 
     name: str
@@ -30,6 +31,7 @@ class GivenModel:
     nodes: Nodes
     K: Any
     M: Any
+    mesh: Mesh | None = None
 
     def dof(self, number: int) -> str:
         """A dof by its node and direction, for messages."""
@@ -72,9 +74,10 @@ def read_matrices(files: Matrices) -> GivenModel:
         _ordered(file.entries, new_row[places], used[places], nodes.n_dofs)
         for file, places in zip((stiffness, mass), slots, strict=True)
     )
+    mesh = table.mesh()
     table = replace(with_dofs, scalars=scalars[of_scalars])
     names = ", ".join(dict.fromkeys((stiffness.name, mass.name)))
-    model = GivenModel(names, table, nodes, K, M)
+    model = GivenModel(names, table, nodes, K, M, mesh)
     return replace(model, K=_symmetric(model, stiffness.name, K), M=_symmetric(model, mass.name, M))
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from ...files import in_one_line
 from ...superelement.validation import Array
 from ..errors import MatrixError
-from ..mesh.mesh import NO_NODES, IntArray
+from ..mesh.cells import SOLID_TYPES
+from ..mesh.mesh import NO_NODES, IntArray, Mesh
 from ..mesh.numbering import Numbering
 from .damage import about_matrices, arrays, load_rows, require_text, whole_numbers
 
@@ -23,7 +24,8 @@ class NodeTable:
 
     axes (n, 3, 3): those of the dofs of nodes as rows, None where all have the ones of the points.
     scalars (k,): labels of generalized coordinates. by_label: whether rows of matrices without
-    labels are in the order of labels, not of the table.
+    labels are in the order of labels, not of the table. solids: the solid elements (n_cells, k) by
+    type, as labels; empty where the file has none.
     """
 
     name: str
@@ -33,6 +35,7 @@ class NodeTable:
     axes: Array | None = None
     scalars: IntArray = field(default_factory=lambda: NO_NODES)
     by_label: bool = False
+    solids: Mapping[str, IntArray] = field(default_factory=dict)
 
     @cached_property
     def _numbering(self) -> Numbering:
@@ -62,6 +65,17 @@ class NodeTable:
         return replace(
             self, labels=self.labels[rows], points=self.points[rows], groups=groups, axes=axes
         )
+
+    def mesh(self) -> Mesh | None:
+        """The solid elements of the file on their nodes, None where it has none."""
+        if not self.solids:
+            return None
+        cells = {
+            kind: self.rows(nodes.ravel()).reshape(nodes.shape)
+            for kind, nodes in self.solids.items()
+        }
+        whole = Mesh(self.name, self.points, cells, {}, tuple(cells), self.labels)
+        return whole.without_loose_nodes()
 
     def dofs(self, per_node: int) -> IntArray:
         """The label and direction (n, 2) of all dofs in the order of the program's matrices.
@@ -181,8 +195,9 @@ def _of_mesh(path: Path) -> NodeTable:
         nodes = [cells[kind][rows].ravel() for kind, rows in group.cells.items()]
         groups[name] = np.unique(np.concatenate([NO_NODES, group.points, *nodes]))
     labels = np.arange(1, len(draft.points) + 1) if draft.labels is None else draft.labels
+    solids = {kind: labels[rows] for kind, rows in cells.items() if kind in SOLID_TYPES}
     return NodeTable(
-        path.name, labels, draft.points, groups, draft.axes(), draft.scalars, draft.by_label
+        path.name, labels, draft.points, groups, draft.axes(), draft.scalars, draft.by_label, solids
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from duhamel.preprocess import Body, MatrixError, MeshWarning, assemble, build
+from duhamel.preprocess import Body, BodyError, MatrixError, MeshWarning, assemble, build
 from duhamel.preprocess.given.ansys_full import read_full
 from duhamel.preprocess.given.dmig import read_dmig
 from duhamel.preprocess.given.matrix_names import MASS_NAMES, STIFFNESS_NAMES
@@ -283,3 +283,47 @@ def test_a_file_of_ansys_that_breaks_off(ansys, calculix, tmp_path):
         files = {"stiffness": broken, "nodes": calculix["nodes"]}
         with pytest.raises(MatrixError, match=r"broken.full: (expected 801596 bytes|not a .full)"):
             assemble(body(ENDS, matrices=files))
+
+
+def fields(**source: Any) -> Any:
+    """The recovery of the bar of CalculiX, and its modal compliance at points of the surface."""
+    made = build(body(ENDS, recovery={"stress": True}, rotation={"modes": 2}, **source))
+    assert made.recovery is not None and made.recovery.stress is not None
+    flexibility = np.where(made.modes.omega > 0, 1.0 / np.maximum(made.modes.omega, 1.0) ** 2, 0.0)
+    response = flexibility * made.modes.phi[0]
+    return made, made.recovery.phi @ response, made.recovery.stress @ response
+
+
+def test_recovery_and_stiffening_by_elements_beside_the_matrices(calculix):
+    """Static displacements and stresses under a force are those of the mesh, and second order."""
+    given, u, stress = fields(matrices=calculix, material=STEEL)
+    with pytest.warns(MeshWarning):
+        own, own_u, own_stress = fields(mesh=calculix["nodes"], material=STEEL)
+    np.testing.assert_array_equal(given.outline.cells, own.outline.cells)
+    np.testing.assert_array_equal(given.recovery.nodes, own.recovery.nodes)
+    assert np.abs(u - own_u).max() <= 1e-9 * np.abs(own_u).max()
+    assert np.abs(stress - own_stress).max() <= 1e-9 * np.abs(own_stress).max()
+    assert np.abs(own.rotation.kappa).max() > 0.0
+    np.testing.assert_allclose(given.rotation.kappa, own.rotation.kappa, rtol=1e-9)
+
+
+def test_a_reduced_model_has_an_outline_and_no_fields(substructure):
+    files = substructure[0]
+    assert len(build(body(ENDS, matrices=files)).outline.points) == 32
+    with pytest.raises(BodyError, match=r"\[recovery\]: expected dofs at all nodes .* reduced"):
+        build(body(ENDS, matrices=files, recovery={}))
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        ({}, r"recovery.stress: expected \[material\], for the matrices bar.sti, bar.mas do not"),
+        (
+            {"material": {**STEEL, "E": 210e3}},
+            r"material: expected that of the matrices .* the elements are 1e-06 times as stiff",
+        ),
+    ],
+)
+def test_stresses_take_the_material_of_the_matrices(calculix, material, message):
+    with pytest.raises(BodyError, match=message):
+        build(body(ENDS, matrices=calculix, recovery={"stress": True}, **material))

@@ -669,7 +669,7 @@ def test_interfaces_that_find_no_nodes(solid, tmp_path, interface, message):
     [
         ({"mesh": "a.msh"}, "matrices: expected no mesh and nothing made of it, found mesh"),
         ({"scale": 1e-3}, "matrices: expected no mesh and nothing made of it, found scale"),
-        ({"recovery": {}}, "matrices: expected no mesh and nothing made of it, found recovery"),
+        ({"order": 2}, "matrices: expected no mesh and nothing made of it, found order"),
         ({"matrices": None}, r"expected mesh or \[matrices\], found neither"),
         (
             {"matrices": None, "mesh": "a.msh", "material": {"E": 1, "nu": 0, "rho": 1}},
@@ -689,6 +689,12 @@ def test_mistakes(changes, message):
 def test_the_text_of_a_body_gives_it_back():
     body = given({"stiffness": "K.mtx", "mass": "M.mtx", "nodes": "nodes.csv", "dofs": "dofs.csv"})
     assert Body.model_validate_json(body.text) == body
+
+
+def test_recovery_needs_elements(solid, tmp_path):
+    files = export(assemble(solid)).write(tmp_path)
+    with pytest.raises(BodyError, match=r"\[recovery\]: expected a mesh, found the matrices K.npz"):
+        build(given(files, recovery={}))
 
 
 def test_a_dry_run_needs_a_mesh(solid, tmp_path):
