@@ -56,6 +56,11 @@ def read_matrix(path: Path, names: tuple[str, ...]) -> MatrixFile:
         raise MatrixError(
             f"{path}: expected a square matrix, found {rows} rows and {columns} columns"
         )
+    if matrix.dofs is not None and matrix.dofs.shape != (rows, 2):
+        raise MatrixError(
+            f"{path}: expected a label and a dof for each of {rows} rows, found an array "
+            f"{matrix.dofs.shape}"
+        )
     if matrix.entries.dtype.kind == "c":
         raise MatrixError(f"{path}: expected real numbers, found complex ones")
     if not np.isfinite(matrix.entries.data).all():
@@ -66,9 +71,14 @@ def read_matrix(path: Path, names: tuple[str, ...]) -> MatrixFile:
     return matrix
 
 
-def _npz(path: Path, _: tuple[str, ...]) -> MatrixFile:
-    """A file of scipy.sparse.save_npz."""
-    with arrays(path, "a sparse matrix of scipy"):
+def _npz(path: Path, names: tuple[str, ...]) -> MatrixFile:
+    """A file of scipy.sparse.save_npz, or of arrays stiffness, mass and dofs."""
+    with arrays(path, "a sparse matrix of scipy, or arrays stiffness, mass and dofs"):
+        with np.load(path) as file:
+            if "dofs" in file:
+                key = "stiffness" if names is STIFFNESS_NAMES else "mass"
+                dofs = whole_numbers(np.asarray(file["dofs"], dtype=float), "labels and dofs")
+                return MatrixFile(path.name, sp.coo_array(file[key]), dofs, named=True)
         return MatrixFile(path.name, sp.coo_array(sp.load_npz(path)))
 
 
