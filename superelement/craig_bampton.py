@@ -50,6 +50,7 @@ def craig_bampton(e: Superelement) -> CraigBampton:
         )
     modes = e.modes
     B = np.hstack([_rigid(e), modes.phi])
+    # Rigid modes come first, and have no stiffness.
     squares = np.concatenate([np.zeros(6), modes.omega**2])
     damping = np.concatenate([np.zeros(6), 2.0 * modes.zeta * modes.omega])
     n_c = len(B)

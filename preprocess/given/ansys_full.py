@@ -11,8 +11,8 @@ from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
 
-MAX_LISTED = 3
-DIRECTIONS = 6  # of nodes: UX, UY, UZ, ROTX, ROTY, ROTZ; others are those of other physics
+MAX_LISTED_DOFS = 3
+LAST_DIRECTION = 6  # of nodes: UX, UY, UZ, ROTX, ROTY, ROTZ; others are those of other physics
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +32,8 @@ class FullFile:
         """`MatrixError` names dofs that are constrained."""
         if not len(self.constrained):
             return
-        listed = [f"{node}.{dof}" for node, dof in self.constrained[:MAX_LISTED].tolist()]
-        more = ", ..." if len(self.constrained) > MAX_LISTED else ""
+        listed = [f"{node}.{dof}" for node, dof in self.constrained[:MAX_LISTED_DOFS].tolist()]
+        more = ", ..." if len(self.constrained) > MAX_LISTED_DOFS else ""
         raise MatrixError(
             f"expected a free body, found {len(self.constrained)} constrained dofs, which ANSYS "
             f"takes out of the matrices ({', '.join(listed)}{more} as node.dof): write the file "
@@ -62,7 +62,7 @@ def read_full(path: Path) -> FullFile:
             f"expected stiffness and mass, found no {missing}: write the file in a modal analysis"
         )
     rows = _from_one(dofs)
-    if (other := rows[:, 1] > DIRECTIONS).any():
+    if (other := rows[:, 1] > LAST_DIRECTION).any():
         node, dof = rows[other][0]
         raise MatrixError(
             f"expected UX, UY, UZ, ROTX, ROTY and ROTZ alone, found dof {dof} of node {node}, "

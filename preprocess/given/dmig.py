@@ -16,8 +16,8 @@ from ..mesh.formats.nastran_deck import Card, read_cards
 from ..mesh.mesh import IntArray
 from .matrix_names import chosen_name
 
-SYMMETRIC, SQUARE = 6, 1
-_FORMS = (SQUARE, SYMMETRIC)
+SYMMETRIC_FORM, SQUARE_FORM = 6, 1
+_FORMS = (SQUARE_FORM, SYMMETRIC_FORM)
 _REAL = (1, 2)
 FIRST_ENTRY, ENTRY_FIELDS = 6, 4  # the field of the first entry of a column, and those of each
 
@@ -59,6 +59,7 @@ def _matrix(columns: list[Card]) -> tuple[Any, IntArray]:
     for number, card in enumerate(columns):
         last = len(card.fields) + 2
         for field in range(FIRST_ENTRY, last, ENTRY_FIELDS):
+            # The rest of a line is blank behind the last entry.
             if card.text(field):
                 rows.append(_dof(card, field))
                 values.append(card.number(field + 2))

@@ -120,6 +120,7 @@ def _slots(
     """The slot 6 node + direction - 1 (n,) of every row; behind those of nodes, of scalars."""
     source = file.name if files.dofs is None or file.dofs is not None else files.dofs.name
     labels, directions = dofs.T
+    # As Nastran has it: scalar points have the component 0.
     scalar = directions == 0
     if len(unknown := table.unknown(labels[~scalar])):
         raise MatrixError(
@@ -213,6 +214,7 @@ def _turned(model: GivenModel, matrix: Any) -> Any:
     """R^T A R, csc, of A in the axes of the nodes: their dofs are R times those in the file's."""
     if model.table.axes is None:
         return matrix.tocsc()
+    # Rotations of a node turn as its displacements do.
     blocks = [
         axes
         for axes, rotates in zip(model.table.axes, model.nodes.rotations, strict=True)

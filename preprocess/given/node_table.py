@@ -9,7 +9,7 @@ import numpy as np
 
 from ...files import in_one_line
 from ...superelement.validation import Array
-from ..errors import MatrixError
+from ..errors import MatrixError, MeshError
 from ..mesh.cells import SOLID_TYPES
 from ..mesh.mesh import NO_NODES, IntArray, Mesh
 from ..mesh.numbering import Numbering
@@ -196,8 +196,12 @@ def _of_mesh(path: Path) -> NodeTable:
         groups[name] = np.unique(np.concatenate([NO_NODES, group.points, *nodes]))
     labels = np.arange(1, len(draft.points) + 1) if draft.labels is None else draft.labels
     solids = {kind: labels[rows] for kind, rows in cells.items() if kind in SOLID_TYPES}
+    try:
+        axes = draft.axes()
+    except MeshError as error:  # of a mesh that is fine, but for matrices
+        raise MatrixError(str(error)) from error
     return NodeTable(
-        path.name, labels, draft.points, groups, draft.axes(), draft.scalars, draft.by_label, solids
+        path.name, labels, draft.points, groups, axes, draft.scalars, draft.by_label, solids
     )
 
 

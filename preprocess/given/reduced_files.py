@@ -13,7 +13,7 @@ from ...superelement.validation import Array
 from ..mesh.mesh import IntArray
 
 DOFS_PER_POINT = 6
-SMALLEST = 1e-99  # an exponent of two digits is what a field of 16 letters holds
+SMALLEST_ENTRY = 1e-99  # an exponent of two digits is what a field of 16 letters holds
 _SYMMETRIC, _DOUBLE = 6, 2  # forms and types of OUTPUT4 and DMIG
 
 
@@ -75,12 +75,14 @@ def write_op4(model: ReducedModel, names: Mapping[str, str], path: Path) -> None
                 rows = places[values != 0.0]
                 if not len(rows):
                     continue
+                # One string for each column: readers of all ages know dense columns.
                 first, last = int(rows.min()), int(rows.max())
                 filled = np.zeros(n)
                 filled[places] = values
                 run = filled[first : last + 1].astype("<f8").tobytes()
                 words = np.array([column + 1, first + 1, len(run) // 4], dtype="<i4").tobytes()
                 file.write(_record(words + run))
+            # A column behind the last one ends the matrix.
             file.write(_record(np.array([n + 1, 1, 2], dtype="<i4").tobytes() + b"\0" * 8))
 
 
@@ -108,7 +110,8 @@ def write_dmig(model: ReducedModel, names: Mapping[str, str], path: Path) -> Non
 def _dmig(name: str, matrix: Array, dofs: IntArray) -> Iterator[str]:
     yield f"DMIG    {name:8}{0:8d}{_SYMMETRIC:8d}{_DOUBLE:8d}{0:8d}\n"
     for j, (label, direction) in enumerate(dofs.tolist()):
-        rows = j + np.flatnonzero(np.abs(matrix[j:, j]) >= SMALLEST)
+        # Of a symmetric matrix Nastran must not get an entry twice.
+        rows = j + np.flatnonzero(np.abs(matrix[j:, j]) >= SMALLEST_ENTRY)
         if len(rows):
             yield f"DMIG*   {name:16}{label:16d}{direction:16d}\n"
         for i in rows:

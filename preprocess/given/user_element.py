@@ -65,6 +65,7 @@ def read_user_element(path: Path, kind: str) -> tuple[Any, IntArray]:
 def _parts(path: Path) -> _Parts:
     parts, listed, values = _Parts(), False, None
     for line in path.read_text(encoding="utf-8").splitlines():
+        # Only comments tell the nodes: *USER ELEMENT itself gives their number alone.
         if line.startswith("**"):
             listed = bool(_NODES.match(line)) or (listed and bool(_NUMBERS.fullmatch(line)))
             if listed and not _NODES.match(line):
@@ -94,6 +95,7 @@ def _dofs(parts: _Parts) -> IntArray:
     lists = [_integers(items, "dofs") for items in parts.dofs]
     if not (nodes and lists and lists[0]):
         raise MatrixError("expected comments ** ELEMENT NODES with nodes, and dofs, found none")
+    # All lists but the first begin with the position from which on they hold.
     starts = [1, *(items[0] for items in lists[1:])]
     if starts != sorted(set(starts)) or starts[-1] > len(nodes):
         raise MatrixError(

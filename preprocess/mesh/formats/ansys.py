@@ -34,7 +34,7 @@ NODE_COUNT, ELEMENT_NUMBER, FIRST_NODE = 8, 10, 11  # fields of a line of EBLOCK
 
 
 @dataclass(frozen=True)
-class Block:
+class ArchiveBlock:
     """A command, its arguments, and the fields of the lines of its block."""
 
     words: list[str]
@@ -45,7 +45,7 @@ class Block:
 
 def read(path: Path) -> Draft:
     """A mesh of ANSYS; `MeshError` if the file is damaged, or not written in blocks."""
-    blocks: dict[str, list[Block]] = {"NBLOCK": [], "EBLOCK": [], "CMBLOCK": []}
+    blocks: dict[str, list[ArchiveBlock]] = {"NBLOCK": [], "EBLOCK": [], "CMBLOCK": []}
     types, materials = dict[int, int](), list[str]()
     deck = iter(list(lines(path, lambda _: None)))
     for line in deck:
@@ -63,6 +63,7 @@ def read(path: Path) -> Draft:
         )
     nodes = blocks["NBLOCK"][0]
     labels = np.array([row[0] for row in nodes.integers], dtype=np.int64)
+    # Zeros at the end of a line are left out.
     values = np.array([(row + 6 * [0.0])[:6] for row in nodes.reals]).reshape(-1, 6)
     draft = Draft(values[:, :3].copy(), [], labels)
     draft.axes = lambda: _no_axes(labels, values[:, 3:])
@@ -73,7 +74,7 @@ def read(path: Path) -> Draft:
     return draft
 
 
-def _block(words: list[str], head: Line, deck: Iterator[Line]) -> Block:
+def _block(words: list[str], head: Line, deck: Iterator[Line]) -> ArchiveBlock:
     """The rows below a command, of the widths that the line after it says."""
     form = next(deck, Line(head.location, ""))
     match = _FORMAT.fullmatch(form.text.strip())
@@ -103,7 +104,7 @@ def _block(words: list[str], head: Line, deck: Iterator[Line]) -> Block:
         integers.append(row)
         reals.append(values)
         left = max(left - len(row), 0) if left > 0 else left
-    return Block(words, head.location, integers, reals)
+    return ArchiveBlock(words, head.location, integers, reals)
 
 
 def _integer(words: list[str], line: Line) -> int:
@@ -125,7 +126,7 @@ def _no_axes(labels: IntArray, angles: Array) -> None:
 
 
 def _add_elements(
-    draft: Draft, blocks: list[Block], types: dict[int, int], nodes: Numbering
+    draft: Draft, blocks: list[ArchiveBlock], types: dict[int, int], nodes: Numbering
 ) -> tuple[Numbering, Sequence]:
     """Solid elements; their numbers, and the cell of each."""
     numbers: list[int] = []
@@ -151,7 +152,7 @@ def _add_elements(
     return Numbering(numbers, "element"), sequence
 
 
-def _whole_rows(block: Block) -> Iterator[list[int]]:
+def _whole_rows(block: ArchiveBlock) -> Iterator[list[int]]:
     """The fields of each element, of which those with more than 8 nodes go on in the next line."""
     rows = iter(block.integers)
     for row in rows:
@@ -177,7 +178,7 @@ def _check_whole(kind: str, table: IntArray) -> None:
         )
 
 
-def _kind(row: list[int], types: dict[int, int], block: Block) -> str | None:
+def _kind(row: list[int], types: dict[int, int], block: ArchiveBlock) -> str | None:
     """The type of cell of an element; None of one that is no solid."""
     solids = _SOLIDS.get(types.get(row[1], 0))
     if solids is None:
@@ -191,7 +192,7 @@ def _kind(row: list[int], types: dict[int, int], block: Block) -> str | None:
 
 
 def _add_component(
-    draft: Draft, block: Block, nodes: Numbering, elements: Numbering, sequence: Sequence
+    draft: Draft, block: ArchiveBlock, nodes: Numbering, elements: Numbering, sequence: Sequence
 ) -> None:
     """Put the members of a component into a group; -m ends a range that the number before begins.
 

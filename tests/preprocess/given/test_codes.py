@@ -66,6 +66,17 @@ def test_groups_of_the_mesh_beside_name_interfaces(calculix):
     np.testing.assert_allclose(tip.X, [0.06, 0.0, 0.0], atol=1e-12)
 
 
+def test_a_deck_that_turns_the_dofs_of_nodes_is_refused(calculix, tmp_path):
+    deck = (
+        calculix["nodes"]
+        .read_text()
+        .replace("*MATERIAL", "*TRANSFORM, NSET=TIP\n0,1,0, 1,0,0\n*MATERIAL")
+    )
+    (tmp_path / "turned.inp").write_text(deck)
+    with pytest.raises(MatrixError, match=r"turned.inp, line \d+: .* found \*TRANSFORM"):
+        assemble(body(ENDS, matrices={**calculix, "nodes": tmp_path / "turned.inp"}))
+
+
 def corners(structure: Any) -> Any:
     """The dofs of the corners of the bar."""
     at_rim = np.isin(structure.nodes.points / [0.12, 0.04, 0.03], [0.0, 1.0])
@@ -288,7 +299,7 @@ def test_a_file_of_ansys_that_breaks_off(ansys, calculix, tmp_path):
 def fields(**source: Any) -> Any:
     """The recovery of the bar of CalculiX, and its modal compliance at points of the surface."""
     made = build(body(ENDS, recovery={"stress": True}, rotation={"modes": 2}, **source))
-    assert made.recovery is not None and made.recovery.stress is not None
+    assert made.recovery.stress is not None
     flexibility = np.where(made.modes.omega > 0, 1.0 / np.maximum(made.modes.omega, 1.0) ** 2, 0.0)
     response = flexibility * made.modes.phi[0]
     return made, made.recovery.phi @ response, made.recovery.stress @ response
