@@ -93,6 +93,7 @@ def _check_independent(e: Superelement, B: Array) -> None:
     scale = np.linalg.norm(B, axis=1)
     values = np.linalg.svd(B / np.where(scale, scale, 1.0)[:, None], compute_uv=False)
     rank = int((values > MIN_INDEPENDENCE * values[0]).sum())
+    # Rigid motion without energy would leave the modes with interfaces held undetermined.
     held = np.linalg.svd(B[:, :6] / np.where(scale, scale, 1.0)[:, None], compute_uv=False)
     if n_c < 6 or held[-1] <= MIN_INDEPENDENCE * held[0]:
         raise SuperelementError(

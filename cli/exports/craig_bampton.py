@@ -32,6 +32,7 @@ def craig_bampton(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
     from ...results.exports.folder import exported
     from ...superelement.craig_bampton import craig_bampton
 
+    # Other codes have the points where the mesh has them.
     reduced = craig_bampton(e)
     model = ReducedModel(
         e.name,

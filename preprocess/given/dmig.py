@@ -66,6 +66,7 @@ def _matrix(columns: list[Card]) -> tuple[Any, IntArray]:
                 owner.append(number)
     if not values:
         raise MatrixError("expected entries of the matrix, found none")
+    # Columns may have dofs that no row has, and the other way round.
     heads = [_dof(card, 3) for card in columns]
     dofs, number_of = numbered(np.array([*rows, *heads], dtype=np.int64))
     row, column = number_of[: len(rows)], number_of[len(rows) :][owner]

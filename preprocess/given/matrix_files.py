@@ -182,6 +182,12 @@ def _op4(path: Path, names: tuple[str, ...]) -> MatrixFile:
     return MatrixFile(path.name, read_op4(path, names), named=True)
 
 
+def _op2(path: Path, names: tuple[str, ...]) -> MatrixFile:
+    from .op2 import read_op2
+
+    return MatrixFile(path.name, read_op2(path, names), named=True)
+
+
 def _full(path: Path, names: tuple[str, ...]) -> MatrixFile:
     from .ansys_full import read_full
 
@@ -204,6 +210,7 @@ _READERS: dict[str, Callable[[Path, tuple[str, ...]], MatrixFile]] = {
     ".sti": _calculix,
     ".mas": _calculix,
     ".op4": _op4,
+    ".op2": _op2,
     ".pch": _dmig,
     ".dmig": _dmig,
     ".full": _full,

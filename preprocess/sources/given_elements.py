@@ -105,6 +105,7 @@ class GivenElements:
             )
         if self.rows is None:
             return
+        # Elements of other codes differ by some ten per cent, a wrong unit of E by thousands.
         own = self._solids.sums()[0].diagonal().sum()
         of_nodes = self.model.nodes.displacements[self.rows].ravel()
         ratio = float(self.model.K.diagonal()[of_nodes].sum() / own)

@@ -11,6 +11,7 @@ from duhamel.preprocess import Body, BodyError, MatrixError, MeshWarning, assemb
 from duhamel.preprocess.given.ansys_full import read_full
 from duhamel.preprocess.given.dmig import read_dmig
 from duhamel.preprocess.given.matrix_names import MASS_NAMES, STIFFNESS_NAMES
+from duhamel.preprocess.given.op2 import read_op2
 from duhamel.preprocess.given.op4 import read_op4
 from duhamel.preprocess.given.user_element import read_user_element
 from duhamel.preprocess.mesh.nodes import spider
@@ -338,3 +339,35 @@ def test_a_reduced_model_has_an_outline_and_no_fields(substructure):
 def test_stresses_take_the_material_of_the_matrices(calculix, material, message):
     with pytest.raises(BodyError, match=message):
         build(body(ENDS, matrices=calculix, recovery={"stress": True}, **material))
+
+
+@pytest.mark.parametrize(
+    ("name", "matrix", "tolerance"), [("double_le", "ZUZR01", 1e-14), ("single_be", "ZUZR04", 1e-7)]
+)
+def test_a_matrix_that_nastran_wrote_with_output2(tmp_path, name, matrix, tolerance):
+    """Nastran read it from the OUTPUT4 file, and wrote it in both orders of bytes."""
+    packed = CODES / "nastran"
+    for file in (f"{name}.op2", "r_c_rc.op4"):
+        (tmp_path / file).write_bytes(lzma.decompress((packed / f"{file}.xz").read_bytes()))
+    found = read_op2(tmp_path / f"{name}.op2", (matrix,)).toarray()
+    expected = read_op4(tmp_path / "r_c_rc.op4", ("RMAT",)).toarray()
+    assert np.abs(found - expected).max() <= tolerance * np.abs(expected).max()
+
+
+def test_files_of_output2_that_are_refused(tmp_path, calculix):
+    whole = lzma.decompress((CODES / "nastran" / "double_le.op2.xz").read_bytes())
+    path = tmp_path / "part.op2"
+    for data, message in (
+        (whole, r"part.op2: expected a matrix KGG, .* found ZUZR01, ZUZR02, ZUZR03"),
+        (
+            whole.replace(b"ZUZR02", b"KGG   "),
+            r"part.op2: matrix KGG: .* real numbers, found type 4",
+        ),
+        (whole.replace(b"ZUZR01", b"KGG   "), r"part.op2: expected a square matrix, found 25 rows"),
+        (whole[:3000], r"part.op2: not an OUTPUT2 file of Nastran, or one that breaks off"),
+        (b"", r"part.op2: not an OUTPUT2 file of Nastran"),
+        (b"NASTRAN", r"part.op2: not an OUTPUT2 file of Nastran"),
+    ):
+        path.write_bytes(data)
+        with pytest.raises(MatrixError, match=message):
+            assemble(body(ENDS, matrices={"stiffness": path, "nodes": calculix["nodes"]}))
