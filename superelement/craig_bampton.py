@@ -38,7 +38,7 @@ class CraigBampton:
     omega: Array
 
 
-def craig_bampton(e: Superelement) -> CraigBampton:
+def in_craig_bampton_form(e: Superelement) -> CraigBampton:
     """The matrices of a superelement in the form of Craig and Bampton, with all of its modes.
 
     `SuperelementError` for a body without modes, or whose modes do not move all interface dofs

@@ -28,9 +28,10 @@ for _module in (*FORMAT_ORDER, *(name for name in _names if name not in FORMAT_O
 
 def described() -> str:
     """What each format writes, in one paragraph."""
-    formats = [*EXPORTS.values(), *SUPERELEMENT_EXPORTS.values()]
-    alike = groupby(formats, key=lambda each: each.what)
-    return " ".join(f"{', '.join(each.name for each in some)}: {what}." for what, some in alike)
+    formats = [(each.name, each.what) for each in EXPORTS.values()]
+    formats += [(each.name, each.what) for each in SUPERELEMENT_EXPORTS.values()]
+    alike = groupby(formats, key=lambda each: each[1])
+    return " ".join(f"{', '.join(name for name, _ in some)}: {what}." for what, some in alike)
 
 
 def takers(option: str) -> str:

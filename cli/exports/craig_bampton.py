@@ -19,7 +19,7 @@ DMIG_NAMES = {"stiffness": "KAAX", "mass": "MAAX", "damping": "BAAX"}
     ".npz",
     "the matrices of a superelement, as arrays, OUTPUT4 and DMIG for Nastran",
 )
-def craig_bampton(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
+def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
     import numpy as np
 
     from ...preprocess.given.reduced_files import (
@@ -30,10 +30,10 @@ def craig_bampton(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
         write_op4,
     )
     from ...results.exports.folder import exported
-    from ...superelement.craig_bampton import craig_bampton
+    from ...superelement.craig_bampton import in_craig_bampton_form
 
     # Other codes have the points where the mesh has them.
-    reduced = craig_bampton(e)
+    reduced = in_craig_bampton_form(e)
     model = ReducedModel(
         e.name,
         [interface.name for interface in e.interfaces],

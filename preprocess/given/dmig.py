@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from ..errors import MatrixError, MeshError
 from ..mesh.formats.nastran_deck import Card, read_cards
 from ..mesh.mesh import IntArray
+from .labels import numbered
 from .matrix_names import chosen_name
 
 SYMMETRIC_FORM, SQUARE_FORM = 6, 1
@@ -53,8 +54,6 @@ def _check(head: Card, name: str) -> None:
 
 
 def _matrix(columns: list[Card]) -> tuple[Any, IntArray]:
-    from .matrix_files import numbered
-
     rows, values, owner = [], [], []
     for number, card in enumerate(columns):
         last = len(card.fields) + 2

@@ -14,12 +14,12 @@ from ...files import in_one_line
 from ..errors import MatrixError
 from ..mesh.mesh import IntArray
 from .damage import MATRIX_DAMAGE, about_matrices, arrays, load_rows, require_text, whole_numbers
+from .labels import MAX_LABEL, numbered
 from .market import MARKET_HEAD, read_market
 from .matrix_names import STIFFNESS_NAMES
 from .user_element import is_user_element, read_user_element
 
 MARKET_HEAD_BYTES = MARKET_HEAD.encode()
-MAX_LABEL = 2.0**31  # a label or a row: two of them are one number of 64 bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,16 +139,6 @@ def _abaqus(path: Path) -> MatrixFile:
     dofs, number = numbered(pairs)
     rows, columns = np.split(number, 2)
     return MatrixFile(path.name, _coo(table[:, -1], rows, columns, len(dofs)), dofs)
-
-
-def numbered(pairs: IntArray) -> tuple[IntArray, IntArray]:
-    """The different dofs (k, 2) among pairs (n, 2) of label and direction, and the row of each."""
-    # One number for node and dof: rows of a table sort much slower.
-    width = int(pairs[:, 1].max(initial=0)) + 1
-    if width > MAX_LABEL:
-        raise MatrixError(f"expected dofs of nodes, 1 to 6, found {width - 1}")
-    keys, number = np.unique(pairs[:, 0] * width + pairs[:, 1], return_inverse=True)
-    return np.stack([keys // width, keys % width], axis=1), number
 
 
 def _calculix(path: Path, _: tuple[str, ...]) -> MatrixFile:

@@ -21,7 +21,7 @@ from .matrix_names import chosen_name
 
 TAPE_HEADER = 3  # the first key of a file that begins with date and label
 COLUMN_RECORD = 1
-REAL_TYPES = (1, 2)  # single and double
+PRECISION_TYPES = (1, 2)  # single and double
 
 
 def read_op2(path: Path, names: tuple[str, ...]) -> Any:
@@ -38,7 +38,7 @@ def read_op2(path: Path, names: tuple[str, ...]) -> Any:
     # Tables have no columns, and are no matrices.
     name = chosen_name([name for name, (_, columns) in found.items() if columns], names)
     trailer, columns = found[name]
-    if trailer[4] not in REAL_TYPES:
+    if trailer[4] not in PRECISION_TYPES:
         raise MatrixError(f"matrix {name}: expected real numbers, found type {trailer[4]}")
     if len(columns) != trailer[1]:
         raise MatrixError(

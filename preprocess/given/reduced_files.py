@@ -54,7 +54,9 @@ def write_arrays(model: ReducedModel, path: Path) -> None:
     """NumPy's .npz, of double precision without loss."""
     np.savez_compressed(
         path,
-        **model.matrices,
+        stiffness=model.matrices["stiffness"],
+        mass=model.matrices["mass"],
+        damping=model.matrices["damping"],
         dofs=model.dofs,
         points=model.points,
         labels=np.arange(1, len(model.points) + 1),
