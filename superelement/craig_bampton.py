@@ -19,6 +19,7 @@ from ..files.arrays import Array
 from .superelement import Superelement
 from .validation import SuperelementError
 
+RIGID_MODES_COUNT = 6
 MIN_INDEPENDENCE = 1e-9
 """Of the singular values of B with rows of unit length, the least over the largest."""
 
@@ -51,8 +52,8 @@ def in_craig_bampton_form(e: Superelement) -> CraigBampton:
     modes = e.modes
     B = np.hstack([_rigid(e), modes.phi])
     # Rigid modes come first, and have no stiffness.
-    squares = np.concatenate([np.zeros(6), modes.omega**2])
-    damping = np.concatenate([np.zeros(6), 2.0 * modes.zeta * modes.omega])
+    squares = np.concatenate([np.zeros(RIGID_MODES_COUNT), modes.omega**2])
+    damping = np.concatenate([np.zeros(RIGID_MODES_COUNT), 2.0 * modes.zeta * modes.omega])
     n_c = len(B)
     _check_independent(e, B)
     # Rows are scaled: displacements and rotations have different units.
@@ -90,12 +91,19 @@ def _rigid(e: Superelement) -> Array:
 
 def _check_independent(e: Superelement, B: Array) -> None:
     n_c, n = B.shape
+    if n_c < RIGID_MODES_COUNT:
+        raise SuperelementError(
+            f"{e.name}: expected interfaces with {RIGID_MODES_COUNT} dofs or more, which hold the "
+            f"body, found {n_c}"
+        )
     scale = np.linalg.norm(B, axis=1)
     values = np.linalg.svd(B / np.where(scale, scale, 1.0)[:, None], compute_uv=False)
     rank = int((values > MIN_INDEPENDENCE * values[0]).sum())
     # Rigid motion without energy would leave the modes with interfaces held undetermined.
-    held = np.linalg.svd(B[:, :6] / np.where(scale, scale, 1.0)[:, None], compute_uv=False)
-    if n_c < 6 or held[-1] <= MIN_INDEPENDENCE * held[0]:
+    held = np.linalg.svd(
+        B[:, :RIGID_MODES_COUNT] / np.where(scale, scale, 1.0)[:, None], compute_uv=False
+    )
+    if held[-1] <= MIN_INDEPENDENCE * held[0]:
         raise SuperelementError(
             f"{e.name}: expected interfaces that hold the body when they are held, found a rigid "
             "motion that moves none of them: add an interface, or one with rotations"

@@ -111,7 +111,7 @@ def _dofs(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
             f"each of the {n_nodes} nodes of {table.name}{behind}, found {n}: "
             "tell node and direction of every row in matrices.dofs"
         )
-    return table.dofs(per_node)
+    return table.dofs(per_node, by_label=file.by_label and table.by_label)
 
 
 def _slots(

@@ -29,7 +29,8 @@ class MatrixFile:
     dofs (n, 2): label of the node and direction, 1 to 6, of every row where the file says them,
     else None; direction 0 of a generalized coordinate, which belongs to no node. dofs_file: the
     suffix of the file beside it that must say them, else empty. named: whether the file tells by a
-    name which of several matrices this is.
+    name which of several matrices this is. by_label: whether Nastran wrote it, in the order of the
+    labels of its deck.
     """
 
     name: str
@@ -37,6 +38,7 @@ class MatrixFile:
     dofs: IntArray | None = None
     dofs_file: str = ""
     named: bool = False
+    by_label: bool = False
 
 
 def read_matrix(path: Path, names: tuple[str, ...]) -> MatrixFile:
@@ -169,13 +171,13 @@ def _coo(values: Any, rows: IntArray, columns: IntArray, n: int) -> Any:
 def _op4(path: Path, names: tuple[str, ...]) -> MatrixFile:
     from .op4 import read_op4
 
-    return MatrixFile(path.name, read_op4(path, names), named=True)
+    return MatrixFile(path.name, read_op4(path, names), named=True, by_label=True)
 
 
 def _op2(path: Path, names: tuple[str, ...]) -> MatrixFile:
     from .op2 import read_op2
 
-    return MatrixFile(path.name, read_op2(path, names), named=True)
+    return MatrixFile(path.name, read_op2(path, names), named=True, by_label=True)
 
 
 def _full(path: Path, names: tuple[str, ...]) -> MatrixFile:

@@ -23,9 +23,9 @@ class NodeTable:
     """labels (n,) and points (n, 3) [m] of nodes, and groups of them as rows (k,) of the table.
 
     axes (n, 3, 3): those of the dofs of nodes as rows, None where all have the ones of the points.
-    scalars (k,): labels of generalized coordinates. by_label: whether rows of matrices without
-    labels are in the order of labels, not of the table. solids: the solid elements (n_cells, k) by
-    type, as labels; empty where the file has none.
+    scalars (k,): labels of generalized coordinates. by_label: whether the program that wrote the
+    nodes has its own matrices in the order of labels, not of the table. solids: the solid elements
+    (n_cells, k) by type, as labels; empty where the file has none.
     """
 
     name: str
@@ -77,10 +77,10 @@ class NodeTable:
         whole = Mesh(self.name, self.points, cells, {}, tuple(cells), self.labels)
         return whole.without_loose_nodes()
 
-    def dofs(self, per_node: int) -> IntArray:
-        """The label and direction (n, 2) of all dofs in the order of the program's matrices.
+    def dofs(self, per_node: int, by_label: bool) -> IntArray:
+        """The label and direction (n, 2) of all dofs, in the order of labels or of the table.
 
-        Generalized coordinates, of direction 0, are in the order of labels too.
+        Generalized coordinates, of direction 0, have their place among the labels, or come last.
         """
         labels = np.repeat(self.labels, per_node)
         directions = np.tile(np.arange(1, per_node + 1), len(self.labels))
@@ -88,7 +88,7 @@ class NodeTable:
         scalars = np.stack([self.scalars, np.zeros_like(self.scalars)], axis=1)
         dofs = np.concatenate([dofs, scalars])
         # A stable order keeps the directions of a node.
-        return dofs[np.argsort(dofs[:, 0], kind="stable")] if self.by_label else dofs
+        return dofs[np.argsort(dofs[:, 0], kind="stable")] if by_label else dofs
 
 
 def read_nodes(path: Path) -> NodeTable:

@@ -1,6 +1,7 @@
 """Bodies from files that other programs wrote: those of `codes`, whose README says which."""
 
 import lzma
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -186,6 +187,17 @@ def nastran(tmp_path) -> dict[str, Path]:
     return {"stiffness": op4, "nodes": CODES / "nastran" / "outboard.asm"}
 
 
+def test_rows_of_nastran_are_in_the_order_of_labels(nastran, tmp_path):
+    """Whatever the order of the cards."""
+    head, *grids = nastran["nodes"].read_text().partition("$ SPOINT DATA")[0].split("GRID*")
+    scalars = nastran["nodes"].read_text().partition("$ SPOINT DATA")[2]
+    text = head + scalars + "".join(f"GRID*{grid}" for grid in reversed(grids))
+    (tmp_path / "mixed.asm").write_text(text)
+    given = {**nastran, "nodes": tmp_path / "mixed.asm"}
+    found = assemble(body(CORNERS, matrices=given)).rigid
+    assert found.center == pytest.approx([184.6398, 150.0, 150.0], rel=1e-6)
+
+
 CORNERS = {"one": {"nodes": [3]}, "other": {"nodes": [11]}}
 
 
@@ -286,6 +298,12 @@ def test_a_constrained_model_of_ansys_is_refused(ansys, calculix):
     files = {"stiffness": ansys, "nodes": calculix["nodes"]}
     with pytest.raises(MatrixError, match=r"file.full: .*free body, found 63 constrained dofs"):
         assemble(body(ENDS, matrices=files))
+
+
+def test_without_the_reader_of_ansys(ansys, calculix, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ansys.mapdl.reader.full", None)
+    with pytest.raises(MatrixError, match=r"file.full: .* pip install 'duhamel\[ansys\]'"):
+        assemble(body(ENDS, matrices={"stiffness": ansys, "nodes": calculix["nodes"]}))
 
 
 def test_a_file_of_ansys_that_breaks_off(ansys, calculix, tmp_path):
