@@ -69,6 +69,9 @@ def in_craig_bampton_form(e: Superelement) -> CraigBampton:
     # Psi^T K Phi is zero, and the rest of K known: rounding would say otherwise.
     K[:n_c, n_c:] = K[n_c:, :n_c] = 0.0
     K[n_c:, n_c:] = np.diag(fixed)
+    if n_c == RIGID_MODES_COUNT:
+        # Interfaces that hold the body by no more than they must move without energy.
+        K[:n_c, :n_c] = 0.0
     M = _symmetric(T.T @ T)
     M[n_c:, n_c:] = np.eye(len(fixed))
     return CraigBampton(K, M, _symmetric(T.T @ (damping[:, None] * T)), np.sqrt(fixed))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from duhamel import superelement
 from duhamel.cli import app
-from duhamel.preprocess import Body, build
+from duhamel.preprocess import Body, MatrixError, build
 from duhamel.superelement import Modes, SuperelementError
 from duhamel.superelement.craig_bampton import in_craig_bampton_form
 from scipy.linalg import eigh
@@ -60,6 +60,41 @@ def test_other_coordinates_have_the_same_frequencies_and_damping(bar):
     K = reduced.K[:n_c, :n_c]
     balanced = np.linalg.eigh(K)[1][:, 6:]
     assert np.abs(K @ e.compliance @ balanced - balanced).max() <= 1e-7
+
+
+def at_one_end(e):
+    """The same body with its first interface alone."""
+    return replace(
+        e,
+        interfaces=e.interfaces[:1],
+        kernel=replace(e.kernel, g=e.kernel.g[:, :6, :6], g_initial=e.kernel.g_initial[:, :6, :6]),
+        modes=Modes(e.modes.omega, e.modes.zeta, e.modes.phi[:6]),
+        compliance=e.compliance[:6, :6],
+        accelerance=e.accelerance[:6, :6],
+    )
+
+
+def test_a_body_with_one_interface(runner, bar, tmp_path):
+    """Its interface moves without energy; held to a spring it is refused when read back."""
+    e = at_one_end(superelement.read(bar))
+    superelement.write(e, tmp_path / "end.h5")
+    exported = ["export", str(tmp_path / "end.h5"), str(tmp_path), "--to", "craig-bampton"]
+    assert runner.invoke(app, exported).exit_code == 0
+    path = tmp_path / "end.npz"
+    body = Body.model_validate(
+        {
+            "name": "back",
+            "matrices": {"stiffness": path, "nodes": path},
+            "interfaces": {"root": {"nodes": [1]}},
+            "impulse": {"step": 1e-5, "steps": 10, "method": "modal"},
+        }
+    )
+    assert build(body).modes.frequencies == pytest.approx(e.modes.frequencies, rel=1e-9)
+    arrays = dict(np.load(path))
+    arrays["stiffness"][1, 1] = 10.0
+    np.savez(path, **arrays)
+    with pytest.raises(MatrixError, match=r"translation along y .* strain energy of 5 J at 1 m"):
+        build(body)
 
 
 def test_interfaces_that_move_together_are_refused(bar):
