@@ -20,10 +20,13 @@ MAX_SECTION_GAP = 1e-6  # of the size of a body: what sections of neighbors may 
 def outline_of(source: Source, center: Array) -> Outline | None:
     """The outline of a body with its center of mass (3,) in mesh coordinates.
 
-    None for matrices of another program, which have no facets.
+    None for matrices of another program without elements beside them.
     """
     if isinstance(source, GivenSource):
-        return None
+        if source.elements is None:
+            return None
+        corners, cells = source.elements.surface()
+        return Outline(corners - center, cells)
     if isinstance(source, LineSource):
         return swept(source, center)
     points = source.field_points(stress=False)

@@ -78,7 +78,7 @@ def doubts_of_body(body: AnyBody) -> Iterator[str]:
     for group, material in body.materials.items():
         yield from _of_material(f"materials.{group}", material)
     yield from _of_damping(body)
-    if body.rotation is not None and body.matrices is not None:
+    if body.rotation is not None and body.matrices is not None and body.material is None:
         yield (
             "rotation: [matrices] know no stiffening: slender bodies, as blades, soften as they "
             "turn where they would stiffen; good for stretch, and for the whirl of stiff rotors "

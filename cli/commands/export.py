@@ -1,5 +1,6 @@
-"""`duhamel export`: results for ParaView, for tables, for MATLAB, loads for Abaqus and Nastran."""
+"""`duhamel export`: results for ParaView, tables, MATLAB and decks; matrices of superelements."""
 
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from textwrap import fill
@@ -9,11 +10,12 @@ from typing import Annotated
 import typer
 
 from ..arguments import FromTime, ResultsFile, time_or_worst
-from ..exports import EXPORT_OPTIONS, EXPORTS, Asked, described, takers
+from ..exports import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked, described, takers
 from ..failures import errors_in_one_line, one_line
 
 # Characters: typer takes each line of a docstring as a paragraph of its own.
 HELP_WIDTH = 93
+FORMAT_NAMES = (*EXPORTS, *SUPERELEMENT_EXPORTS)
 
 Folder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Made if it is not there.", show_default=False)
@@ -30,9 +32,11 @@ To = Annotated[
     str,
     typer.Option(
         "--to",
-        metavar=f"<{'|'.join(EXPORTS)}>",
+        metavar=f"<{'|'.join(FORMAT_NAMES)}>",
         help="The format, as described above.",
-        autocompletion=lambda incomplete: [name for name in EXPORTS if name.startswith(incomplete)],
+        autocompletion=lambda incomplete: [
+            name for name in FORMAT_NAMES if name.startswith(incomplete)
+        ],
     ),
 ]
 At = Annotated[
@@ -79,7 +83,7 @@ def export(
     at: At = None,
     bodies: BodyNames = None,
 ) -> None:
-    """Write results for other programs into a folder."""
+    """Write results, or the matrices of a superelement, for other programs into a folder."""
     _require_sense(
         to,
         {
@@ -95,6 +99,9 @@ def export(
         raise typer.BadParameter("expected one of --frames and --all")
     when = time_or_worst(at)
     begin = perf_counter()
+    if to in SUPERELEMENT_EXPORTS:
+        _tell(_of_superelement(results_file, folder, to), begin)
+        return
     from ... import files, results
     from ...files.progress import Progress, Work
     from ...results.steps import window
@@ -116,6 +123,26 @@ def export(
             bodies=bodies or (),
         )
         written = EXPORTS[to].write(asked)
+    _tell(written, begin)
+
+
+def _of_superelement(path: Path, folder: Path, to: str) -> Sequence[Path]:
+    """Write a superelement, and say what it has and the format has not."""
+    from ... import files, results, superelement
+
+    with errors_in_one_line(superelement, results, files):
+        e = superelement.read(path)
+        for there in folder.glob(f"*{SUPERELEMENT_EXPORTS[to].suffix}"):
+            files.require_no_input(there, [path])
+        written = SUPERELEMENT_EXPORTS[to].write(e, folder, path.stem)
+    chain = None if e.modes is None else e.modes.chain
+    parts = {"material damping": chain, "[rotation]": e.rotation, "loads and sensors": e.channels}
+    if left_out := [name for name, part in parts.items() if part is not None]:
+        typer.echo(one_line(f"left out: {', '.join(left_out)}"))
+    return written
+
+
+def _tell(written: Sequence[Path], begin: float) -> None:
     for path in written:
         typer.echo(one_line(f"{path}: {path.stat().st_size / 1e6:.3g} MB"))
     files_written = f"{len(written)} file{'s' if len(written) > 1 else ''}"
@@ -128,9 +155,10 @@ export.__doc__ = f"{export.__doc__}\n\n{fill(described(), HELP_WIDTH)}"
 
 def _require_sense(to: str, given: dict[str, bool]) -> None:
     """Refuse a format that there is not, and what it would pass over."""
-    if to not in EXPORTS:
-        raise typer.BadParameter(f"--to: expected one of {', '.join(EXPORTS)}, found {to!r}")
+    if to not in FORMAT_NAMES:
+        raise typer.BadParameter(f"--to: expected one of {', '.join(FORMAT_NAMES)}, found {to!r}")
+    taken = EXPORTS[to].takes if to in EXPORTS else ()
     for option, is_given in given.items():
-        if is_given and option not in EXPORTS[to].takes:
+        if is_given and option not in taken:
             expected = f"{EXPORT_OPTIONS[option]} go with --to {takers(option)}"
             raise typer.BadParameter(f"{expected}, found --to {to}")

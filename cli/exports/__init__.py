@@ -7,9 +7,16 @@ from importlib import import_module
 from itertools import groupby
 from pkgutil import iter_modules
 
-from .export import EXPORT_OPTIONS, EXPORTS, Asked
+from .export import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked
 
-__all__ = ["EXPORTS", "EXPORT_OPTIONS", "Asked", "described", "takers"]
+__all__ = [
+    "EXPORTS",
+    "EXPORT_OPTIONS",
+    "SUPERELEMENT_EXPORTS",
+    "Asked",
+    "described",
+    "takers",
+]
 
 # Files in the order of the help, which has all others after these.
 FORMAT_ORDER = ("vtk", "csv", "mat", "loads")
@@ -21,8 +28,10 @@ for _module in (*FORMAT_ORDER, *(name for name in _names if name not in FORMAT_O
 
 def described() -> str:
     """What each format writes, in one paragraph."""
-    alike = groupby(EXPORTS.values(), key=lambda each: each.what)
-    return " ".join(f"{', '.join(each.name for each in some)}: {what}." for what, some in alike)
+    formats = [(each.name, each.what) for each in EXPORTS.values()]
+    formats += [(each.name, each.what) for each in SUPERELEMENT_EXPORTS.values()]
+    alike = groupby(formats, key=lambda each: each[1])
+    return " ".join(f"{', '.join(name for name, _ in some)}: {what}." for what, some in alike)
 
 
 def takers(option: str) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from ...results import Results
+    from ...superelement import Superelement
 
 EXPORT_OPTIONS = {
     "quantities": "quantities",
@@ -67,6 +68,38 @@ def export_format(
 
     def register(write: Write) -> Write:
         EXPORTS[name] = ExportFormat(name, suffix, what, takes, write)
+        return write
+
+    return register
+
+
+WriteSuperelement = Callable[["Superelement", Path, str], Sequence[Path]]
+
+
+@dataclass(frozen=True)
+class SuperelementFormat:
+    """A format of superelements, not of results; `write` takes one, a folder, and a stem of names.
+
+    Fields are those of `ExportFormat`.
+    """
+
+    name: str
+    suffix: str
+    what: str
+    write: WriteSuperelement
+
+
+SUPERELEMENT_EXPORTS: dict[str, SuperelementFormat] = {}
+"""all formats of superelements by name"""
+
+
+def superelement_format(
+    name: str, suffix: str, what: str
+) -> Callable[[WriteSuperelement], WriteSuperelement]:
+    """Make a function that writes files of a superelement known to `duhamel export`."""
+
+    def register(write: WriteSuperelement) -> WriteSuperelement:
+        SUPERELEMENT_EXPORTS[name] = SuperelementFormat(name, suffix, what, write)
         return write
 
     return register

@@ -28,12 +28,19 @@ def tie(nodes: Nodes, attachments: Mapping[str, Attachment]) -> tuple[Nodes, Any
     dofs, or six whose rotations follow the frame as well. Source: docs/theory.md, Interfaces.
     """
     rigid = {name: attachment for name, attachment in attachments.items() if attachment.rigid}
+    if rigid and nodes.generalized:
+        raise InterfaceError(
+            f"interfaces.{next(iter(rigid))}: expected kind average, found rigid, which a reduced "
+            "model with generalized coordinates does not support"
+        )
     free = np.flatnonzero(_owners(rigid, len(nodes.points)) < 0)
     left = Nodes(
         np.vstack([nodes.points[free], *(a.X for a in rigid.values())]),
         np.concatenate([nodes.rotations[free], np.ones(len(rigid), dtype=bool)]),
+        nodes.generalized,
     )
-    kept = np.flatnonzero(np.isin(nodes.owner, free))
+    owner = nodes.owner
+    kept = np.flatnonzero(np.isin(owner, free) | (owner < 0))
     old, new, values = [kept], [np.arange(len(kept))], [np.ones(len(kept))]
     for node, attachment in enumerate(rigid.values(), start=len(free)):
         arms = spider(nodes.points[attachment.nodes] - attachment.X)  # (n, 3, 6)

@@ -130,14 +130,15 @@ class NonlinearCoordinates(Table):
 class Matrices(Table):
     """Files of a finite element model of another program: K [N/m ...], M [kg ...], nodes [m].
 
-    The body must be free in space.
+    The body must be free in space. Nothing is scaled: all files must be in SI units.
 
-    nodes: labels and coordinates; dofs: node and direction of every row of the matrices, where
-    neither they say so nor the rows are three or six for each node in its order.
+    mass: the file of the stiffness unless given, where that holds both matrices. nodes: labels and
+    coordinates; dofs: node and direction of every row of the matrices, where neither they say so
+    nor the rows are three or six for each node in its order.
     """
 
     stiffness: FilePath
-    mass: FilePath
+    mass: FilePath | None = None
     nodes: FilePath
     dofs: FilePath | None = None
 
@@ -156,10 +157,11 @@ class Body(NamedBody):
     solids; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
-    tetrahedra with nodes in the middle of their edges. size [m]: of the elements that a CAD file is
-    meshed with; sizes: smaller ones on holes and faces; solid: the name of one of its solids.
+    for solids; with matrices none, or the material of elements beside them. scale: the unit of the
+    mesh's coordinates in meters, 1e-3 for millimeters. All else is in SI units. order: 2 makes
+    linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes in the
+    middle of their edges. size [m]: of the elements that a CAD file is meshed with; sizes: smaller
+    ones on holes and faces; solid: the name of one of its solids.
 
     Raises
     ------
@@ -214,7 +216,9 @@ class Body(NamedBody):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
+            # A material is that of elements beside the matrices, for stresses and stiffening.
+            without = {"mesh", "scale", "order", *makes} - {"material"}
+            others = self.model_fields_set & without
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "
@@ -356,7 +360,8 @@ class Body(NamedBody):
             )
         if self.damping.model_fields_set or any(self.loss_factors.values()):
             raise ValueError("damping: with [measured] it is that of the test, found another one")
-        if self.measured.rigid.mass is not None and not (self.material or self.materials):
+        has_density = self.matrices is None and bool(self.material or self.materials)
+        if self.measured.rigid.mass is not None and not has_density:
             raise ValueError(
                 "measured.rigid.mass: scales the density of [material] or [materials], found none"
             )

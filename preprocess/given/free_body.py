@@ -54,7 +54,7 @@ def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
     The scale is 1 for displacements and 1 / size for rotations: where entries of A are zero, it
     keeps a row of K A from being compared with rounding alone.
     """
-    points, size = model.nodes.points, model.table.size
+    points, size = model.nodes.points, _size(model)
     if not size:
         raise MatrixError(
             f"{model.table.name}: expected nodes at several places, "
@@ -66,15 +66,29 @@ def _rigid_motions(model: GivenModel) -> tuple[Array, Array]:
     return A, reach
 
 
+def _size(model: GivenModel) -> float:
+    """The size of the model [m]; of one node with generalized coordinates 1, for it has none."""
+    return 1.0 if _has_one_node(model) else model.table.size
+
+
+def _has_one_node(model: GivenModel) -> bool:
+    """Whether it is a reduced model of one node, whose motion is rigid and has no stiffness."""
+    return len(model.nodes.points) == 1 and model.nodes.generalized > 0
+
+
 def _check_stiffness(model: GivenModel) -> None:
     """Every dof must have stiffness, and K alone must connect all of the body."""
     loose = np.flatnonzero(model.K.diagonal() <= 0.0)
+    if _has_one_node(model):
+        loose = loose[model.nodes.owner[loose] < 0]
     if len(loose):
         raise MatrixError(
             f"{model.name}: expected stiffness on every dof, found none on {len(loose)}, "
             f"first {model.dof(loose[0])}"
         )
-    entries = model.K.tocoo()
+    # Generalized coordinates connect nothing: their stiffness may be theirs alone.
+    n_nodal = model.nodes.n_dofs - model.nodes.generalized
+    entries = model.K[:n_nodal, :n_nodal].tocoo()
     owner, n_nodes = model.nodes.owner, len(model.nodes.points)
     graph = sp.coo_array(
         (np.ones(entries.nnz), (owner[entries.row], owner[entries.col])), shape=(n_nodes, n_nodes)
@@ -92,7 +106,7 @@ def _check_stiffness(model: GivenModel) -> None:
 
 def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
     """|K A| <= RIGID_FORCE |K| reach, row by row."""
-    share = np.abs(model.K @ A) / (abs(model.K) @ reach)[:, None]
+    share = np.abs(model.K @ A) / _largest_forces(model, reach)[:, None]
     worst = share.max(axis=0)
     if worst.max() <= RIGID_FORCE:
         return
@@ -100,12 +114,30 @@ def _check_no_resistance(model: GivenModel, A: Array, reach: Array) -> None:
     held = worst[:3].max() > RIGID_FORCE
     motion = int((worst[:3] if held else worst).argmax())
     cause = HELD_ADVICE if held else MISPLACED_ADVICE
+    # A has rotations by 1 / size: that of one radian has more energy.
+    energy = 0.5 * float(A[:, motion] @ (model.K @ A[:, motion]))
+    unit, scale = ("m", 1.0) if motion < 3 else ("rad", _size(model))
     raise MatrixError(
         f"{model.name}: expected no resistance to rigid motion, found under "
         f"{RIGID_MOTIONS[motion]} forces of {worst[motion]:.1e} of the stiffness, expected "
         f"{RIGID_FORCE:g} at most, the largest "
-        f"on {model.dof(int(share[:, motion].argmax()))}: {cause}"
+        f"on {model.dof(int(share[:, motion].argmax()))}: {cause}; "
+        f"the motion has a strain energy of {energy * scale**2:.3g} J at 1 {unit}"
     )
+
+
+def _largest_forces(model: GivenModel, reach: Array) -> Array:
+    """What rows of K would give with all stiffnesses counted positive (n_u,).
+
+    Where a node has none to compare with, that of its mass at the lowest frequency of the shapes.
+    """
+    forces = abs(model.K) @ reach
+    if not _has_one_node(model):
+        return np.asarray(forces)
+    modal = model.nodes.owner < 0
+    K, M = model.K.diagonal(), model.M.diagonal()
+    lowest = (K[modal] / np.where(M[modal] > 0.0, M[modal], 1.0)).min()
+    return np.asarray(np.maximum(forces, lowest * np.where(M > 0.0, M, 1.0)))
 
 
 def _check_definite(model: GivenModel) -> None:

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from ...files import in_one_line
 from ..errors import MatrixError
 from .damage import MATRIX_DAMAGE
+from .matrix_names import chosen_name
 
 BIGMAT_ROWS = 65536  # from which on a matrix is BIGMAT, whether it says so or not
 _HEADERS = {24: ("i4", 8), 48: ("i8", 16)}
@@ -25,8 +26,8 @@ Run = tuple[int, int, Any]
 """Column and first row, from 1, and values below each other."""
 
 
-def read_op4(path: Path, name: str) -> Any:
-    """The real matrix (n, n), sparse, of a name, or the only one in the file.
+def read_op4(path: Path, names: tuple[str, ...]) -> Any:
+    """The real matrix (n, n), sparse, of the first of some names, or the only one in the file.
 
     `MatrixError` if there is none.
     """
@@ -39,9 +40,7 @@ def read_op4(path: Path, name: str) -> Any:
         raise MatrixError(
             f"not an OUTPUT4 file of Nastran, or one that breaks off: {in_one_line(error)}"
         ) from error
-    chosen = name if name in matrices or len(matrices) != 1 else next(iter(matrices))
-    if chosen not in matrices:
-        raise MatrixError(f"expected a matrix {name}, found {', '.join(matrices) or 'none'}")
+    chosen = chosen_name(matrices, names)
     if matrices[chosen] is None:
         raise MatrixError(f"matrix {chosen}: expected real numbers, found complex ones")
     return matrices[chosen]

@@ -15,11 +15,13 @@ class Nodes:
     """Nodes at points (n, 3) [m] in mesh coordinates, with six dofs where `rotations` (n,), else
     three.
 
-    The dofs of the nodes follow each other in the order of the nodes.
+    The dofs of the nodes follow each other in the order of the nodes. Behind them come
+    `generalized` ones: amplitudes of shapes of a reduced model that leave all nodes at rest.
     """
 
     points: Array
     rotations: NDArray[np.bool_]
+    generalized: int = 0
 
     @cached_property
     def first(self) -> IntArray:
@@ -28,12 +30,13 @@ class Nodes:
 
     @property
     def n_dofs(self) -> int:
-        return int(self._counts.sum())
+        return int(self._counts.sum()) + self.generalized
 
     @property
     def owner(self) -> IntArray:
-        """The node of each dof (n_dofs,)."""
-        return np.repeat(np.arange(len(self.points)), self._counts)
+        """The node of each dof (n_dofs,), -1 of generalized ones."""
+        of_nodes = np.repeat(np.arange(len(self.points)), self._counts)
+        return np.concatenate([of_nodes, np.full(self.generalized, -1)])
 
     @property
     def displacements(self) -> IntArray:
@@ -47,7 +50,8 @@ class Nodes:
     def rigid_motion(self, center: Array) -> Array:
         """A (n_dofs, 6): dofs under unit translations and unit small rotations about `center`.
 
-        A = [I, -(X - center)~; 0, I] at each node; the second row for nodes with rotations.
+        A = [I, -(X - center)~; 0, I] at each node; the second row for nodes with rotations. No
+        generalized dof takes part.
         """
         motion = spider(self.points - center)
         A = np.zeros((self.n_dofs, 6))

@@ -13,18 +13,19 @@ from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning, about
 from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
-from .formats import abaqus, gmsh, med, nastran, through_meshio, xdmf
+from .formats import abaqus, ansys, gmsh, med, nastran, through_meshio, xdmf
 from .formats.abaqus_deck import abaqus_include
 from .formats.draft import Draft
 from .formats.nastran_deck import nastran_include
 from .formats.text import files
 from .mesh import Mesh
 
-_NASTRAN = (".bdf", ".nas", ".dat", ".fem")
+_NASTRAN = (".bdf", ".nas", ".dat", ".fem", ".asm")
 _XDMF = (".xdmf", ".xmf")
 _READERS = {
     ".msh": gmsh.read,
     ".inp": abaqus.read,
+    ".cdb": ansys.read,
     **dict.fromkeys(_NASTRAN, nastran.read),
     ".med": med.read,
     **dict.fromkeys(_XDMF, xdmf.read),

@@ -1,12 +1,12 @@
 """Bodies given by the matrices of another program."""
 
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, nodal_frame, point_frame
 from ..assembly.selected import nearest_node, table_nodes
-from ..assembly.source import FieldPoints
+from ..assembly.source import FieldPoints, Tensors
 from ..body.loads import LoadPattern
 from ..body.selection import Selection, SurfaceSelection
 from ..body.sensors import SensorPoint
@@ -16,17 +16,22 @@ from ..given.free_body import check_free_body
 from ..given.matrices import GivenModel
 from ..mesh.nodes import Nodes
 
+if TYPE_CHECKING:
+    from .given_elements import GivenElements
+
 
 @dataclass(frozen=True, eq=False)
 class GivenSource:
     """Stiffness and mass without elements; nodes have three dofs or six.
 
     stiffening: by which K is divided, to be the static one of a material with a loss factor.
+    elements: those of the mesh that has the nodes, None where it has no solids.
     """
 
     model: GivenModel
     stiffening: float = 1.0
     geometry: None = None
+    elements: "GivenElements | None" = None
 
     @property
     def name(self) -> str:
@@ -42,8 +47,13 @@ class GivenSource:
         K = self.model.K if self.stiffening == 1.0 else self.model.K / self.stiffening
         return K, self.model.M
 
-    def tensors(self, M: Any, center: Array) -> NodalTensors:
-        """Inertia and momentum, where nodes have three dofs of the same mass."""
+    def tensors(self, M: Any, center: Array) -> Tensors:
+        """Inertia and momentum, where nodes have three dofs of the same mass.
+
+        With a material and elements beside the matrices, their stiffening too.
+        """
+        if self.elements is not None and self.elements.body.material is not None:
+            return self.elements.tensors(M, center)
         M_s = None if self.nodes.rotations.any() else scalar_mass(M)
         if M_s is None:
             raise BodyError(
@@ -77,9 +87,17 @@ class GivenSource:
         frame = nodal_frame(node, self.nodes)
         return frame.rows[:3], frame.X
 
-    def check_fields(self, stress: bool) -> NoReturn:
+    def check_fields(self, stress: bool) -> None:
         """`BodyError`: without elements there are neither cells nor strains."""
-        raise BodyError(f"[recovery]: expected a mesh, found the matrices {self.model.name}")
+        self._some_elements().check_fields(stress)
 
     def field_points(self, stress: bool) -> FieldPoints:
-        self.check_fields(stress)
+        return self._some_elements().field_points(stress)
+
+    def _some_elements(self) -> "GivenElements":
+        if self.elements is None:
+            raise BodyError(
+                f"[recovery]: expected a mesh, found the matrices {self.model.name}: name a file "
+                "with solid elements in matrices.nodes"
+            )
+        return self.elements

@@ -9,7 +9,7 @@ from ..body.loss import relaxed, stiffenings
 from ..body.measured_body import MeasuredBody
 from ..body.reading import AnyBody
 from ..errors import BodyError
-from ..given.matrices import read_matrices
+from ..given.matrices import GivenModel, read_matrices
 from ..mesh.cells import LINE_CELLS
 from ..mesh.mesh import Mesh
 from ..mesh.quadratic import quadratic
@@ -26,8 +26,19 @@ def read_source(body: Body) -> Source:
     Materials with a loss factor have their static moduli.
     """
     if body.matrices is not None:
-        return GivenSource(read_matrices(body.matrices), stiffenings(body)[""])
+        return _given(read_matrices(body.matrices), body)
     return read_mesh_source(relaxed(body))
+
+
+def _given(model: GivenModel, body: Body) -> GivenSource:
+    """Given matrices, with the solid elements of the file of their nodes."""
+    stiffening = stiffenings(body)[""]
+    if model.mesh is None:
+        return GivenSource(model, stiffening)
+    # scikit-fem takes its time to import, and tables of nodes do without.
+    from .given_elements import GivenElements
+
+    return GivenSource(model, stiffening, GivenElements(model.mesh, model, relaxed(body)))
 
 
 def files_of(body: AnyBody) -> tuple[Path, ...]:

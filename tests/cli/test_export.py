@@ -82,7 +82,10 @@ def test_tables_and_matlab_files_go_into_the_folder(runner, results_file, tmp_pa
         (["--to", "vtk", "velocity:beam"], "quantities go with --to csv, found --to vtk"),
         (["--to", "mat", "--frames", "5"], "go with --to vtk, found --to mat"),
         (["--to", "abaqus", "--until", "0.1"], "--from and --until go with --to vtk, csv or mat"),
-        (["--to", "stl"], "--to: expected one of vtk, csv, mat, abaqus, nastran, found 'stl'"),
+        (
+            ["--to", "stl"],
+            "--to: expected one of vtk, csv, mat, abaqus, nastran, craig-bampton, found 'stl'",
+        ),
         (["--all", "--frames", "5"], "expected one of --frames and --all"),
         (["--magnify", "nan"], "--magnify: expected a number, found nan"),
     ],

@@ -18,7 +18,7 @@ from ...errors import MeshError
 from ..cells import CELL_DIMENSIONS
 from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
-from .abaqus_deck import Keyword
+from .abaqus_deck import Keyword, keywords
 from .abaqus_parts import Instance, Sets, read_instances
 from .draft import Draft, Sequence
 
@@ -53,6 +53,7 @@ def read(path: Path) -> Draft:
     draft = Draft(
         np.concatenate([instance.points for instance in instances.values()]), lost, labels
     )
+    draft.axes = partial(_no_axes, path)
     sequence = Sequence(draft)
     for name, instance in instances.items():
         for kind, _, members in instance.part.elements:
@@ -67,6 +68,16 @@ def read(path: Path) -> Draft:
         for surface in instance.part.surfaces:
             surfaces.add(surface, key, name_of(surface["NAME"]))
     return draft
+
+
+def _no_axes(path: Path) -> None:
+    """`MeshError` for a deck that turns the dofs of nodes, which matrices would then be in."""
+    for keyword in keywords(path):
+        if keyword.name == "TRANSFORM":
+            raise MeshError(
+                f"{keyword.location}: expected dofs of nodes in the axes of the file, found "
+                "*TRANSFORM: write the matrices without it"
+            )
 
 
 class _Family:

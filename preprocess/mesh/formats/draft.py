@@ -1,7 +1,7 @@
 """A mesh while its file is being read."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,9 @@ class Draft:
 
     A name that is given to several things, as to nodes and to elements, is one group of them all.
     `lost` tells in words what the file holds and the draft does not; labels (n,) are the numbers
-    that it gives to points, None if none.
+    that it gives to points, None if none. axes() (n, 3, 3): the axes of the displacements of points
+    as rows, None where all have those of the file; scalars: the numbers of scalar points. by_label:
+    whether matrices of the program have their rows in the order of the numbers.
     """
 
     def __init__(
@@ -24,6 +26,9 @@ class Draft:
     ) -> None:
         self.points = points
         self.labels = labels
+        self.axes: Callable[[], Array | None] = lambda: None
+        self.scalars = NO_NODES
+        self.by_label = False
         self.lost = [] if lost is None else lost
         self._blocks: dict[str, list[IntArray]] = {}
         self._counts: Counter[str] = Counter()

@@ -7,10 +7,13 @@ Nastran Quick Reference Guide.
 
 import re
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from ....superelement.validation import Array
 from ...errors import MeshError
 from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES
@@ -62,13 +65,16 @@ def read(path: Path) -> Draft:
     left_out: Counter[str] = Counter()
     materials: list[str] = []
     properties: set[int] = set()
-    default_system, names = 0, dict[int, str]()
+    default_system, default_axes, names = 0, 0, dict[int, str]()
+    scalars: list[range] = []
     for card in read_cards(path, names):
         match card.name:
             case "GRID":
                 grids.append(card)
             case "GRDSET":
-                default_system = card.integer(3, 0)
+                default_system, default_axes = card.integer(3, 0), card.integer(7, 0)
+            case "SPOINT":
+                scalars += card.ranges(2)
             case "CORD2R" | "CORD2C" | "CORD2S":
                 systems[card.integer(2)] = card
             case "SET1" | "SPC" | "SPC1":
@@ -91,6 +97,10 @@ def read(path: Path) -> Draft:
     for number in np.unique(system):
         points[system == number] = frame_of(int(number), systems).to_basic(points[system == number])
     draft = Draft(points, [f"{name} ({count})" for name, count in left_out.items()], labels)
+    draft.scalars = np.unique(np.concatenate([NO_NODES, *map(np.array, scalars)]))
+    # Only matrices are in these axes: a mesh is read whatever they are.
+    draft.axes = partial(_axes, grids, default_axes, points, systems)
+    draft.by_label = True
     _add_elements(draft, elements, numbering, names)
     structural = Counter(
         card.name for card in elements if card.name in _PARTS and _property(card) in properties
@@ -99,6 +109,20 @@ def read(path: Path) -> Draft:
     for card in sets:
         _add_points(draft, card, numbering)
     return draft
+
+
+def _axes(
+    grids: Sequence[Card], default: int, points: Array, systems: Mapping[int, Card]
+) -> Array | None:
+    """The axes (n, 3, 3) of the displacements of points, None where all are basic."""
+    system = np.array([card.integer(7, default) for card in grids], dtype=np.int64)
+    if not system.any():
+        return None
+    axes = np.empty((len(points), 3, 3))
+    for number in np.unique(system):
+        frame = frame_of(int(number), systems)
+        axes[system == number] = frame.axes_at(points[system == number])
+    return axes
 
 
 def _add_elements(

@@ -9,6 +9,9 @@ from ....superelement.validation import Array
 from ...errors import MeshError
 from .nastran_deck import Card
 
+MIN_RADIUS = 1e-9
+"""Distance from the third axis of a coordinate system over that from its origin, which is zero."""
+
 
 @dataclass(frozen=True)
 class Frame:
@@ -40,6 +43,31 @@ class Frame:
         else:
             local = points
         return np.asarray(self.origin + local @ self.axes)
+
+    def axes_at(self, points: Array) -> Array:
+        """The axes (n, 3, 3) as rows, of displacements of points (n, 3), both in basic coordinates.
+
+        Those of r, theta, z, or of r, theta, phi, at each point. `MeshError` for a point on the
+        third axis, where there are none.
+        """
+        axes = np.broadcast_to(self.axes, (len(points), 3, 3)).copy()
+        if self.kind == "R":
+            return axes
+        arms = points - self.origin
+        third = axes[:, 2]
+        outward = arms - np.sum(arms * third, axis=1)[:, None] * third
+        length = np.linalg.norm(outward, axis=1)
+        if (length <= MIN_RADIUS * np.linalg.norm(arms, axis=1).max(initial=0.0)).any():
+            raise MeshError(
+                "expected points off the third axis of the coordinate system of their "
+                f"displacements, found {points[length.argmin()].tolist()} on it"
+            )
+        outward /= length[:, None]
+        around = np.cross(third, outward)
+        if self.kind == "C":
+            return np.stack([outward, around, third], axis=1)
+        radial = arms / np.linalg.norm(arms, axis=1)[:, None]
+        return np.stack([radial, np.cross(around, radial), around], axis=1)
 
 
 def frame_of(number: int, cards: Mapping[int, Card], inside: tuple[int, ...] = ()) -> Frame:
