@@ -102,7 +102,7 @@ class Survey:
 
     @property
     def facets(self) -> Facets | None:
-        """The facets of solids, None of lines."""
+        """The facets of solids, the elements of shells, None of lines."""
         return self.source.facets
 
     @property

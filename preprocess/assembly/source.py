@@ -57,7 +57,9 @@ class FieldPoints:
 
 @dataclass(frozen=True)
 class Share:
-    """The elements of one material or section: number, total volume [m^3] or length [m], mass [kg].
+    """The elements of one material, section or laminate: number, extent, and mass [kg].
+
+    extent: volume [m^3], area [m^2] of shells, or length [m] of lines.
 
     group: that of the mesh; empty for the one of a whole body.
     """
@@ -169,14 +171,20 @@ class Source(Protocol):
 
 
 class MeshSource(Source, Protocol):
-    """A source with elements, which can be surveyed and drawn."""
+    """A source with elements, which can be surveyed and drawn.
+
+    extent_unit: that of `Share.extent`; wave: the kind of the shortest wave.
+    """
+
+    extent_unit: ClassVar[str]
+    wave: ClassVar[str]
 
     @property
     def mesh(self) -> Mesh: ...
 
     @property
     def facets(self) -> Facets | None:
-        """The facets of solids, None of lines."""
+        """The facets of solids, the elements of shells, None of lines."""
         ...
 
     def shares(self) -> tuple[Share, ...]:

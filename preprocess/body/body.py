@@ -33,6 +33,7 @@ from .measured import Measured
 from .named_body import NamedBody
 from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
+from .shell import Shell
 from .values import FilePath, InertiaTensor
 
 
@@ -155,7 +156,8 @@ class Body(NamedBody):
     solids; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
+    for solids. For shells one of shell and shells (by mesh group), which take their materials from
+    material, or by name from materials. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
     is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
     tetrahedra with nodes in the middle of their edges.
 
@@ -191,6 +193,8 @@ class Body(NamedBody):
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
     materials: dict[str, Material] = Field(default_factory=dict)
+    shell: Shell | None = None
+    shells: dict[str, Shell] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSelection] = Field(default_factory=dict)
     masses: dict[str, PointMass] = Field(default_factory=dict)
@@ -209,7 +213,10 @@ class Body(NamedBody):
         if self.mesh is None and self.matrices is None:
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
-            others = self.model_fields_set & {"mesh", "scale", "order", "recovery", *makes}
+            others = self.model_fields_set & {
+                *("mesh", "scale", "order", "recovery", "shell", "shells"),
+                *makes,
+            }
             if others:
                 raise ValueError(
                     "matrices: expected no mesh and nothing made of it, "
@@ -219,6 +226,51 @@ class Body(NamedBody):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+
+    @property
+    def _shells(self) -> dict[str, Shell]:
+        """Shells by their keys in the file."""
+        whole = self.given("shell")
+        return whole | {f"shells.{name}": part for name, part in self.shells.items()}
+
+    @rule
+    def _shells_of_materials(self) -> None:
+        shells = self._shells
+        if not shells:
+            return
+        if self.shell is not None and self.shells:
+            raise ValueError("expected one of shell and shells, found both")
+        if self.section is not None or self.sections:
+            raise ValueError(
+                f"{next(iter(shells))}: expected material or materials, found a section of lines"
+            )
+        if self.order != 1:
+            raise ValueError("order: expected 1 of shells, found 2, which is for solids")
+        used = set()
+        for key, shell in shells.items():
+            for ply in shell.layers:
+                used.add(ply.material)
+                self._check_material(key, ply.material)
+        if unused := [name for name in self.materials if name not in used]:
+            raise ValueError(f"materials.{unused[0]}: expected a shell of it, found none")
+
+    def _check_material(self, key: str, name: str | None) -> None:
+        """ValueError unless the material of a shell is there."""
+        if name is None and self.material is None:
+            raise ValueError(
+                f"{key}: expected material, one of {', '.join(self.materials)}, found none"
+            )
+        if name is not None and name not in self.materials:
+            known = ", ".join(self.materials) or "none, but [material] for all shells"
+            raise ValueError(f"{key}: no material {quoted(name)}; there are: {known}")
+        found = self.material if name is None else self.materials[name]
+        if found is not None and found.axes is not None:
+            raise ValueError(
+                f"{key}: axes of a material are those of solids: give the shell an orientation"
+            )
+        shell = self._shells[key]
+        if found is not None and not found.isotropic and shell.orientation is None:
+            raise ValueError(f"{key}.orientation: missing, for its material is orthotropic")
 
     @rule
     def _own_names(self) -> None:
@@ -259,7 +311,7 @@ class Body(NamedBody):
             raise ValueError("expected [interfaces.NAME] or [surfaces.NAME], found neither")
         if not self.surfaces:
             return
-        for key in ("matrices", "section", "sections"):
+        for key in ("matrices", "section", "sections", "shell", "shells"):
             if getattr(self, key):
                 raise ValueError(f"surfaces: expected a mesh of solids, found {key}")
         for name in self.surfaces:
@@ -292,6 +344,8 @@ class Body(NamedBody):
             )
         if self.rotation.level == 2 and (self.section or self.sections):
             raise ValueError("rotation.level: expected 1 of lines, found 2, which is for solids")
+        if self.rotation.level == 2 and self._shells:
+            raise ValueError("rotation.level: expected 1 of shells, found 2, which is for solids")
         if self.rotation.level == 2 and self.matrices is not None:
             raise ValueError(
                 "rotation.level: expected 1 of [matrices], found 2, which needs the elements of a "

@@ -1,0 +1,239 @@
+"""Bodies of shells: a mesh of triangles and quadrangles with thicknesses."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, NoReturn
+
+import numpy as np
+
+from ...superelement.validation import Array
+from ..assembly.interfaces import Attachment, nodal_frame, section_frame
+from ..assembly.selected import check_elements, mesh_nodes, nearest_node
+from ..assembly.source import FieldPoints, Resolution, Share
+from ..body.body import Body
+from ..body.loads import LoadPattern
+from ..body.selection import Selection, SurfaceSelection
+from ..body.sensors import SensorPoint
+from ..body.shell import Shell
+from ..elements.directors import Directors, directors
+from ..elements.laminate import Laminate, Layer
+from ..elements.shell import Shells
+from ..elements.shell_matrices import shell_matrices
+from ..elements.shell_shape import SHELL_SHAPES
+from ..errors import BodyError, MeshError
+from ..mesh.connectivity import check_connected
+from ..mesh.facets import Facets
+from ..mesh.mesh import IntArray, Mesh
+from ..mesh.nodes import Nodes
+from .assignment import Assignment, assign
+
+SHELL_NODES_PER_WAVE = 12
+"""Nodes in a wavelength of bending: with the shapes of first order waves run too fast by
+(k h)^2 / 24, one per cent."""
+MIN_SINE_OF_CORNER = 1e-3
+"""Sine of the angle of a corner below which an element counts as degenerate."""
+MIN_SINE_TO_NORMAL = 1e-3
+"""Sine of the angle between an orientation and a normal below which it has no projection."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShellSource:
+    """A mesh of triangles and quadrangles; every node has six dofs."""
+
+    extent_unit: ClassVar[str] = "m^2"
+    wave: ClassVar[str] = "bending"
+
+    mesh: Mesh
+    body: Body
+
+    @property
+    def name(self) -> str:
+        return self.mesh.name
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        return Nodes(self.mesh.points, np.ones(len(self.mesh.points), dtype=bool))
+
+    @cached_property
+    def facets(self) -> Facets:
+        """The elements themselves."""
+        return Facets(self.mesh.elements, np.ones(self.mesh.n_elements, dtype=bool), {})
+
+    @cached_property
+    def laminates(self) -> Assignment[Laminate]:
+        """The laminate of every element; `BodyError` if the body file has none."""
+        body = self.body
+        if body.shell is None and not body.shells:
+            raise BodyError(
+                f"{self.name} is a mesh of shells: expected [shell] or [shells.GROUP] with a "
+                "thickness, found none; mesh the volume of a part of solids"
+            )
+        whole = None if body.shell is None else self._laminate(body.shell)
+        by_group = {name: self._laminate(shell) for name, shell in body.shells.items()}
+        return assign(self.mesh, whole, by_group, "shells")
+
+    def _laminate(self, shell: Shell) -> Laminate:
+        z, layers = shell.offset - 0.5 * shell.total, []
+        for ply in shell.layers:
+            material = self.body.material
+            if ply.material is not None:
+                material = self.body.materials[ply.material]
+            assert material is not None
+            layers.append(Layer(material, (z, z + ply.thickness), np.radians(ply.angle)))
+            z += ply.thickness
+        return Laminate(layers, shell.orientation)
+
+    @cached_property
+    def directors(self) -> Directors:
+        return directors(self.mesh.points, self.mesh.elements, self.laminates.owners)
+
+    @cached_property
+    def shells(self) -> Mapping[str, Shells]:
+        """The elements of each type, which are known to be sound."""
+        self._check_corners()
+        self._check_sides()
+        found = {}
+        for kind, cells in self.mesh.elements.items():
+            X, axis = self.mesh.points[cells], self._axes(kind)
+            found[kind] = Shells(SHELL_SHAPES[kind], X, self.directors.d[kind], axis)
+        return found
+
+    def matrices(self) -> tuple[Any, Any]:
+        check_connected(self.mesh)
+        laminates = self.laminates
+        return shell_matrices(self.mesh, self.shells, laminates.values, laminates.owners)
+
+    def _axes(self, kind: str) -> Array:
+        """Vectors (n, 3) of which the projection on an element is its axis 1."""
+        cells, normals = self.mesh.cells[kind], self._normals(kind)
+        axis = self.mesh.points[cells[:, 1]] - self.mesh.points[cells[:, 0]]
+        owners = self.mesh.of_kind(self.laminates.owners, kind)
+        for number, laminate in enumerate(self.laminates.values):
+            if laminate.axis is not None:
+                axis[owners == number] = laminate.axis
+        axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+        sine = np.linalg.norm(np.cross(axis, normals), axis=1)
+        if (along := np.flatnonzero(sine < MIN_SINE_TO_NORMAL)).size:
+            row = int(along[0])
+            raise BodyError(
+                f"{self.name}: {self._named(kind, row)}: orientation: expected a vector that is "
+                f"not along the normal, {normals[row].tolist()}, found {axis[row].tolist()}"
+            )
+        return np.asarray(axis)
+
+    def _normals(self, kind: str) -> Array:
+        """Unit normals (n, 3) in the middle of elements."""
+        X = self.mesh.points[self.mesh.cells[kind]]
+        across = np.cross(X[:, 1] - X[:, 0], X[:, 2] - X[:, 0])
+        if kind == "quad":
+            across = np.cross(X[:, 2] - X[:, 0], X[:, 3] - X[:, 1])
+        length = np.linalg.norm(across, axis=1, keepdims=True)
+        return np.asarray(across / np.maximum(length, np.finfo(float).tiny))
+
+    def _named(self, kind: str, row: int) -> str:
+        """An element for messages: where it is, for divided ones have no number of the file."""
+        middle = self.mesh.points[self.mesh.cells[kind][row]].mean(axis=0)
+        return f"{kind} element {row} at {middle.tolist()}"
+
+    def _check_corners(self) -> None:
+        """`MeshError` for elements that are degenerate, or not convex."""
+        for kind, cells in self.mesh.elements.items():
+            X = self.mesh.points[cells]
+            after, before = np.roll(X, -1, axis=1) - X, np.roll(X, 1, axis=1) - X
+            sizes = np.linalg.norm(after, axis=2) * np.linalg.norm(before, axis=2)
+            heights = np.einsum("nki,ni->nk", np.cross(after, before), self._normals(kind))
+            worst = (heights / np.maximum(sizes, np.finfo(float).tiny)).min(axis=1)
+            if (bad := np.flatnonzero(worst < MIN_SINE_OF_CORNER)).size:
+                raise MeshError(
+                    f"{self.name}: {self._named(kind, int(bad[0]))} is degenerate or not convex: "
+                    f"the sine of a corner is {worst[bad[0]]:.2g}; {bad.size} of {len(cells)} are"
+                )
+
+    def _check_sides(self) -> None:
+        """`MeshError` for neighbors whose normals are on opposite sides, where sides matter."""
+        turned = self.directors.turned
+        sided = self.body.loads or any(
+            np.abs(laminate.stiffness[:3, 3:6]).max() > 1e-9 * laminate.stiffness[0, 0] * thickness
+            for laminate in self.laminates.values
+            for thickness in (laminate.z[1] - laminate.z[0],)
+        )
+        if len(turned) and sided:
+            first, second = (self._named(*self.mesh.element(int(i))) for i in turned[0])
+            raise MeshError(
+                f"{self.name}: expected normals on one side of a surface, found them on opposite "
+                f"sides of neighbors, {first} and {second}; {len(turned)} such pairs: "
+                "loads, offsets and unsymmetric plies need one side"
+            )
+
+    def tensors(self, M: Any, center: Array) -> NoReturn:
+        """`BodyError`: the second order of shells is not known."""
+        raise BodyError(f"[rotation]: expected lines or solids, found {self.name}, one of shells")
+
+    def attachment(self, selection: Selection) -> Attachment:
+        """The dofs of a node, or a frame with six that several nodes carry."""
+        mesh = self.mesh
+        check_elements(selection, mesh)
+        if selection.node is not None:
+            return nodal_frame(nearest_node(selection, mesh.points, mesh.size), self.nodes)
+        members = mesh_nodes(selection, mesh)
+        return section_frame(selection, members, self.nodes, self._radius)
+
+    @cached_property
+    def _radius(self) -> float:
+        """The radius of gyration of a section, of the mean thickness [m]."""
+        thickness = [laminate.z[1] - laminate.z[0] for laminate in self.laminates.values]
+        return float(np.mean(thickness) / np.sqrt(12.0))
+
+    def touched(self, selection: SurfaceSelection) -> NoReturn:
+        """`BodyError`: surfaces are those of solids."""
+        raise BodyError(f"[surfaces]: expected a mesh of solids, found {self.name}, one of shells")
+
+    def forces(self, load: LoadPattern) -> Array:
+        raise BodyError(f"{load.kind}: expected lines or solids, found shells")
+
+    def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
+        raise BodyError(f"{sensor.kind}: expected lines or solids, found shells")
+
+    def check_fields(self, stress: bool) -> None:
+        if stress:
+            raise BodyError(
+                f"recovery.stress: expected a mesh of solids, found {self.name}, one of shells"
+            )
+
+    def field_points(self, stress: bool) -> FieldPoints:
+        """All nodes."""
+        nodes = np.arange(len(self.mesh.points))
+        return FieldPoints(nodes, self._padded_cells(), labels=self.mesh.labels)
+
+    def _padded_cells(self) -> IntArray:
+        from ...superelement.cells import padded
+
+        return padded(list(self.mesh.elements.values()))
+
+    def shares(self) -> tuple[Share, ...]:
+        areas = [
+            (shells.frames(shells.shape.xi).areas @ shells.shape.weights)
+            for shells in self.shells.values()
+        ]
+        return self.laminates.shares(np.concatenate(areas))
+
+    def resolution(self, frequency: float) -> Resolution:
+        shortest = min(laminate.shortest_wave(frequency) for laminate in self.laminates.values)
+        spacing = 0.0
+        for cells in self.mesh.elements.values():
+            corners = self.mesh.points[cells]
+            edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+            spacing = max(spacing, float(edges.max()))
+        return Resolution(shortest, spacing, SHELL_NODES_PER_WAVE)
+
+    def bending_excess(self) -> float:
+        """Bending without transverse shear is held by the assumed strains."""
+        return 1.0
+
+    def stiff_in_volume(self) -> bool:
+        return False
+
+    def boundary(self) -> Iterator[tuple[Array, IntArray]]:
+        for kind, cells in self.mesh.elements.items():
+            yield self.mesh.points[cells], self.mesh.first[kind] + np.arange(len(cells))
