@@ -106,6 +106,16 @@ def condensation(K: Array, n_nodal: int) -> Array:
     return -np.linalg.solve(K[:, n_nodal:, n_nodal:], K[:, n_nodal:, :n_nodal])
 
 
+def nodal_strains(shells: Shells, laminate: Laminate, xi: Array) -> tuple[Array, Frames]:
+    """Strains (n, q, 8, 6 k) at points xi from the dofs of nodes alone, and the axes there."""
+    c, inner = 6 * shells.X.shape[1], shells.frames(shells.shape.xi)
+    dA = inner.areas * shells.shape.weights
+    full = full_stiffness(generalized(shells, shells.shape.xi, inner), laminate, dA)
+    at = shells.frames(xi)
+    strains = generalized(shells, xi, at)
+    return strains[..., :c] + strains[..., c:] @ condensation(full, c)[:, None], at
+
+
 def _stiffness(shells: Shells, at: Frames, laminate: Laminate) -> Array:
     """(n, k, 6, k, 6), with what is internal condensed."""
     xi, (n, k) = shells.shape.xi, shells.X.shape[:2]

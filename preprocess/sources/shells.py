@@ -9,7 +9,13 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, nodal_frame, section_frame
-from ..assembly.selected import check_elements, mesh_nodes, nearest_node
+from ..assembly.selected import (
+    check_elements,
+    mesh_facets,
+    mesh_nodes,
+    names_points,
+    nearest_node,
+)
 from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
 from ..body.loads import LoadPattern
@@ -21,16 +27,19 @@ from ..elements.laminate import Laminate, Layer
 from ..elements.shell import Shells
 from ..elements.shell_matrices import shell_matrices
 from ..elements.shell_shape import SHELL_SHAPES
+from ..elements.solid_force import pressure_forces, traction_forces
 from ..errors import BodyError, MeshError
 from ..mesh.connectivity import check_connected
 from ..mesh.facets import Facets
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import Nodes
 from .assignment import Assignment, assign
+from .gauge import stretch_rows, unit_vector
+from .shell_faces import face_points
+from .shell_readings import displacement_rows, face_stress_rows, gauge_rows, volume_loads
 
-SHELL_NODES_PER_WAVE = 12
-"""Nodes in a wavelength of bending: with the shapes of first order waves run too fast by
-(k h)^2 / 24, one per cent."""
+SHELL_NODES_PER_WAVE = 7
+"""Nodes in a wavelength of bending: waves run too fast by (k h)^2 / 16, 5 per cent."""
 MIN_SINE_OF_CORNER = 1e-3
 """Sine of the angle of a corner below which an element counts as degenerate."""
 MIN_SINE_TO_NORMAL = 1e-3
@@ -190,26 +199,41 @@ class ShellSource:
         raise BodyError(f"[surfaces]: expected a mesh of solids, found {self.name}, one of shells")
 
     def forces(self, load: LoadPattern) -> Array:
-        raise BodyError(f"{load.kind}: expected lines or solids, found shells")
+        """Nodal forces and moments (6 n,); a pressure acts against the normals of elements."""
+        if load.force_per_length is not None:
+            raise BodyError("force_per_length: expected a mesh of lines, found one of shells")
+        self._check_sides()
+        if load.force_per_volume is not None:
+            return volume_loads(self, load.group, np.array(load.force_per_volume)).ravel()
+        check_elements(load, self.mesh)
+        if names_points(load, self.mesh):
+            raise BodyError(f"group {load.group!r}: expected shells, found points")
+        patch = self.facets.patch(np.unique(mesh_facets(load, self.mesh, self.facets)))
+        total = np.zeros((len(self.mesh.points), 6))
+        if load.pressure is not None:
+            total[:, :3] = pressure_forces(self.mesh.points, patch, load.pressure)
+        else:
+            total[:, :3] = traction_forces(self.mesh.points, patch, np.array(load.traction))
+        return total.ravel()
 
     def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
-        raise BodyError(f"{sensor.kind}: expected lines or solids, found shells")
+        """Of points within the thickness; stresses on a face."""
+        point = np.array(sensor.point)
+        if sensor.length is not None:
+            rows = stretch_rows(lambda x: displacement_rows(self, x), sensor, self.mesh.size)
+            return rows, point
+        if sensor.stress:
+            return face_stress_rows(self, point), point
+        if sensor.direction is not None:
+            return gauge_rows(self, point, unit_vector(sensor.direction)), point
+        return displacement_rows(self, point), point
 
     def check_fields(self, stress: bool) -> None:
-        if stress:
-            raise BodyError(
-                f"recovery.stress: expected a mesh of solids, found {self.name}, one of shells"
-            )
+        """Shells give displacements, and stresses on both faces."""
 
     def field_points(self, stress: bool) -> FieldPoints:
-        """All nodes."""
-        nodes = np.arange(len(self.mesh.points))
-        return FieldPoints(nodes, self._padded_cells(), labels=self.mesh.labels)
-
-    def _padded_cells(self) -> IntArray:
-        from ...superelement.cells import padded
-
-        return padded(list(self.mesh.elements.values()))
+        """Points on both faces, at every node one for each smooth surface that meets there."""
+        return face_points(self, stress)
 
     def shares(self) -> tuple[Share, ...]:
         areas = [
