@@ -26,6 +26,7 @@ from ..elements.directors import Directors, directors
 from ..elements.laminate import Laminate, Layer
 from ..elements.shell import Shells
 from ..elements.shell_matrices import shell_matrices
+from ..elements.shell_second import ShellTensors
 from ..elements.shell_shape import SHELL_SHAPES
 from ..elements.solid_force import pressure_forces, traction_forces
 from ..errors import BodyError, MeshError
@@ -42,6 +43,7 @@ SHELL_NODES_PER_WAVE = 7
 """Nodes in a wavelength of bending: waves run too fast by (k h)^2 / 16, 5 per cent."""
 MIN_SINE_OF_CORNER = 1e-3
 """Sine of the angle of a corner below which an element counts as degenerate."""
+MAX_RELATIVE_OFFSET = 1e-9  # of the mass from the nodes, over the thickness
 MIN_SINE_TO_NORMAL = 1e-3
 """Sine of the angle between an orientation and a normal below which it has no projection."""
 
@@ -175,9 +177,30 @@ class ShellSource:
                 "loads, offsets and unsymmetric plies need one side"
             )
 
-    def tensors(self, M: Any, center: Array) -> NoReturn:
-        """`BodyError`: the second order of shells is not known."""
-        raise BodyError(f"[rotation]: expected lines or solids, found {self.name}, one of shells")
+    def tensors(self, M: Any, center: Array) -> ShellTensors:
+        """`BodyError` for frames and offsets whose second order is not known."""
+        self._check_second_order()
+        laminates = self.laminates
+        return ShellTensors(self.mesh, self.shells, laminates.values, laminates.owners, center)
+
+    def _check_second_order(self) -> None:
+        for group, laminate in self.laminates.properties.items():
+            mass, moment, _ = laminate.inertia
+            if abs(moment) > MAX_RELATIVE_OFFSET * mass * (laminate.z[1] - laminate.z[0]):
+                key = f"shells.{group}" if group else "shell"
+                raise BodyError(
+                    f"{key}: with [rotation] expected a mass whose middle is at the nodes (no "
+                    f"offset), found it {moment / mass:.3g} m beside them"
+                )
+        for table in ("interfaces", "masses"):
+            for name, selection in getattr(self.body, table).items():
+                if getattr(selection, "interface", None) is not None or selection.rigid:
+                    continue
+                if len(nodes := self.attachment(selection).nodes) > 1:
+                    raise BodyError(
+                        f"{table}.{name}: with [rotation] expected one node, or an interface of "
+                        f'kind = "rigid", found an average of {len(nodes)} nodes'
+                    )
 
     def attachment(self, selection: Selection) -> Attachment:
         """The dofs of a node, or a frame with six that several nodes carry."""
