@@ -228,14 +228,14 @@ class Body(NamedBody):
             )
 
     @property
-    def _shells(self) -> dict[str, Shell]:
+    def shells_by_key(self) -> dict[str, Shell]:
         """Shells by their keys in the file."""
         whole = self.given("shell")
         return whole | {f"shells.{name}": part for name, part in self.shells.items()}
 
     @rule
     def _shells_of_materials(self) -> None:
-        shells = self._shells
+        shells = self.shells_by_key
         if not shells:
             return
         if self.shell is not None and self.shells:
@@ -268,7 +268,7 @@ class Body(NamedBody):
             raise ValueError(
                 f"{key}: axes of a material are those of solids: give the shell an orientation"
             )
-        shell = self._shells[key]
+        shell = self.shells_by_key[key]
         if found is not None and not found.isotropic and shell.orientation is None:
             raise ValueError(f"{key}.orientation: missing, for its material is orthotropic")
 
@@ -344,7 +344,7 @@ class Body(NamedBody):
             )
         if self.rotation.level == 2 and (self.section or self.sections):
             raise ValueError("rotation.level: expected 1 of lines, found 2, which is for solids")
-        if self.rotation.level == 2 and self._shells:
+        if self.rotation.level == 2 and self.shells_by_key:
             raise ValueError("rotation.level: expected 1 of shells, found 2, which is for solids")
         if self.rotation.level == 2 and self.matrices is not None:
             raise ValueError(

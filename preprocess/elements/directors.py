@@ -66,7 +66,7 @@ def _corner_normals(X: Array) -> Array:
     across = np.cross(after, before)
     sine = np.linalg.norm(across, axis=2)
     angle = np.arctan2(sine, np.einsum("nki,nki->nk", after, before))
-    return across * (angle / np.maximum(sine, np.finfo(float).tiny))[..., None]
+    return np.asarray(across * (angle / np.maximum(sine, np.finfo(float).tiny))[..., None])
 
 
 def _unit(vectors: Array) -> Array:
@@ -83,7 +83,9 @@ class _Sides(NamedTuple):
 
 
 def _sides(cells: Mapping[str, IntArray], corner: Mapping[str, IntArray]) -> _Sides:
-    nodes, corners, element, first = [], [], [], 0
+    nodes: list[IntArray] = []
+    corners: list[IntArray] = []
+    element, first = [], 0
     for kind, of in cells.items():
         for found, rows in ((nodes, of), (corners, corner[kind])):
             found.append(np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2))

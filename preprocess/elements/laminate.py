@@ -91,7 +91,7 @@ class Laminate:
             s = before + np.outer(z - z0, constant) + np.outer(0.5 * (z**2 - z0**2), linear)
             F += np.linalg.inv(layer.G) * ((0.5 * (z1 - z0) * w * s.T) @ s)
             before = before + (z1 - z0) * constant + 0.5 * (z1**2 - z0**2) * linear
-        return np.linalg.inv(F)
+        return np.asarray(np.linalg.inv(F), dtype=np.float64)
 
     @property
     def in_plane_shear(self) -> float:
@@ -101,7 +101,8 @@ class Laminate:
     @cached_property
     def inertia(self) -> Array:
         """int (1, z, z^2) rho dz (3,) [kg/m^2, kg/m, kg]."""
-        return np.sum([layer.material.rho * layer.moments(3) for layer in self.layers], axis=0)
+        moments = [layer.material.rho * layer.moments(3) for layer in self.layers]
+        return np.asarray(np.sum(moments, axis=0))
 
     @property
     def rotary(self) -> float:

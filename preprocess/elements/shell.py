@@ -74,7 +74,7 @@ class Shells:
         """
         rows = np.zeros((*at.areas.shape, 3, self.X.shape[1], 6))
         rows[..., :3] = _paired(self.shape.dN(xi), at.a)
-        return np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows)
+        return np.asarray(np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows))
 
     def bending(self, xi: Array, at: Frames) -> Array:
         """Curvatures (n, q, 3, k, 6), the slopes of strains by the height z.
@@ -87,7 +87,7 @@ class Shells:
         rows = np.zeros((*at.areas.shape, 3, self.X.shape[1], 6))
         rows[..., :3] = _paired(dN, np.einsum("kaq,nki->nqai", dN, self.d))
         rows[..., 3:] = np.cross(self.d[:, None, None], _paired(dN, at.a))
-        return np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows)
+        return np.asarray(np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows))
 
     def bubble_bending(self, xi: Array, at: Frames) -> Array:
         """Curvatures (n, q, 3, 2) of the bubble of directors along the tangents `bubble_axes`."""
@@ -102,7 +102,7 @@ class Shells:
             ],
             axis=2,
         )
-        return np.einsum("nqij,nqjm->nqim", at.in_plane, rows)
+        return np.asarray(np.einsum("nqij,nqjm->nqim", at.in_plane, rows))
 
     @cached_property
     def bubble_axes(self) -> Array:

@@ -103,7 +103,8 @@ def full_stiffness(strains: Array, laminate: Laminate, dA: Array) -> Array:
 
 def condensation(K: Array, n_nodal: int) -> Array:
     """-K_ii^-1 K_in (n, inner, nodal): what the dofs of nodes make of what is internal."""
-    return -np.linalg.solve(K[:, n_nodal:, n_nodal:], K[:, n_nodal:, :n_nodal])
+    inner = np.linalg.solve(K[:, n_nodal:, n_nodal:], K[:, n_nodal:, :n_nodal])
+    return np.asarray(-inner, dtype=np.float64)
 
 
 def nodal_strains(shells: Shells, laminate: Laminate, xi: Array) -> tuple[Array, Frames]:

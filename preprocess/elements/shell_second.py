@@ -168,7 +168,8 @@ class _Piece:
     def pulled(self) -> Array:
         """Vectors v (6, n, k, 3): the change of the inertia is v.y2 of directors at the nodes."""
         by_points = of_moments(self.moments.reshape(-1, 3)).reshape(6, *self.moments.shape)
-        return np.einsum("jnpi,np,pk->jnki", by_points, self.heights, self.N, optimize=True)
+        v = np.einsum("jnpi,np,pk->jnki", by_points, self.heights, self.N, optimize=True)
+        return np.asarray(v)
 
 
 def _worked(v: Array, d: Array, motions: Array, turning: IntArray) -> Array:
@@ -213,7 +214,7 @@ class _Batch:
 
     def _spun(self) -> Array:
         """-d~ (n, k, 3, 3): w x d from w."""
-        return np.einsum("imj,nkj->nkim", LEVI_CIVITA, self.shells.d)
+        return np.asarray(np.einsum("imj,nkj->nkim", LEVI_CIVITA, self.shells.d))
 
     def _add_in_plane(self, G: Array, N: Array, M: Array, at: Frames) -> None:
         """Of covariant forces N and moments M (n, q, 3, r).
@@ -274,6 +275,11 @@ class _Batch:
 
 
 def _works(G: Array, left: Array, right: Array) -> Array:
-    """left^T G right (r_G, r_left, r_right), summed over elements, of G (n, r_G, c, c)."""
-    pulled = G @ right[:, None]
-    return np.asarray(np.einsum("nca,nrcb->rab", left, pulled, optimize=True))
+    """left^T G right (r_G, r_left, r_right), summed over elements, of symmetric G (n, r_G, c, c)."""
+    if left.shape[2] > right.shape[2]:
+        return _works(G, right, left).transpose(0, 2, 1)
+    n, r, c, _ = G.shape
+    # The side with fewer columns first: what it makes is all that is held at once.
+    pulled = left.transpose(0, 2, 1)[:, None] @ G
+    rows = np.ascontiguousarray(pulled.transpose(1, 2, 0, 3)).reshape(-1, n * c)
+    return np.asarray(rows @ right.reshape(n * c, -1)).reshape(r, left.shape[2], -1)

@@ -54,7 +54,7 @@ def locate_in_shells(source: MeshOfShells, point: Array) -> ShellPoint:
 
 
 def _laminate(source: MeshOfShells, kind: str, row: int) -> Laminate:
-    owner = source.mesh.of_kind(source.laminates.owners, kind)[row]
+    owner = int(source.mesh.of_kind(source.laminates.owners, kind)[row])
     return source.laminates.values[owner]
 
 
@@ -141,11 +141,9 @@ def volume_loads(source: MeshOfShells, group: str | None, density: Array) -> Arr
     f_i = int N_i t dA density,   moments d_i x int N_i s dA density,   t, s = int (1, z) dz
     """
     total = np.zeros((len(source.mesh.points), 6))
-    if group is None:
-        chosen = np.ones(source.mesh.n_elements, dtype=np.bool_)
-    else:
-        chosen = np.zeros(source.mesh.n_elements, dtype=np.bool_)
-        chosen[source.mesh.members(group)] = True
+    chosen = np.full(source.mesh.n_elements, int(group is None))
+    if group is not None:
+        chosen[source.mesh.members(group)] = 1
     if not chosen.any():
         raise BodyError(f"group {group!r}: expected shells, found none")
     heights = np.array([laminate.z for laminate in source.laminates.values])

@@ -103,6 +103,7 @@ class ShellSource:
     def shells(self) -> Mapping[str, Shells]:
         """The elements of each type, which are known to be sound."""
         self._check_corners()
+        self._check_doubles()
         self._check_sides()
         found = {}
         for kind, cells in self.mesh.elements.items():
@@ -159,6 +160,19 @@ class ShellSource:
                 raise MeshError(
                     f"{self.name}: {self._named(kind, int(bad[0]))} is degenerate or not convex: "
                     f"the sine of a corner is {worst[bad[0]]:.2g}; {bad.size} of {len(cells)} are"
+                )
+
+    def _check_doubles(self) -> None:
+        """`MeshError` for elements on the same nodes, which would count twice."""
+        for kind, cells in self.mesh.elements.items():
+            _, first, count = np.unique(
+                np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True
+            )
+            if (twice := np.flatnonzero(count > 1)).size:
+                raise MeshError(
+                    f"{self.name}: {self._named(kind, int(first[twice[0]]))} is there "
+                    f"{count[twice[0]]} times, expected once; {twice.size} of {len(cells)} are: "
+                    "give layers as plies"
                 )
 
     def _check_sides(self) -> None:

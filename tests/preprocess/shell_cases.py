@@ -24,10 +24,11 @@ class Grid:
         n: tuple[int, int],
         kind: str = "quad",
         *,
-        thickness: float,
-        E: float,
-        nu: float,
+        thickness: float | None,
+        E: float = 1.0,
+        nu: float = 0.0,
         rho: float = 1.0,
+        material: Any = None,
         **shell: Any,
     ) -> None:
         r, s = np.meshgrid(*(np.linspace(0.0, 1.0, k + 1) for k in n), indexing="ij")
@@ -41,8 +42,8 @@ class Grid:
         body = {
             "name": "grid",
             "mesh": mesh_of((points, {kind: cells})),
-            "shell": {"thickness": thickness, **shell},
-            "material": {"E": E, "nu": nu, "rho": rho},
+            "shell": shell if thickness is None else {"thickness": thickness, **shell},
+            "material": material or {"E": E, "nu": nu, "rho": rho},
             "interfaces": {"corner": {"node": points[0].tolist()}},
             "impulse": IMPULSE,
         }

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from duhamel.preprocess.body.material import Material
+from duhamel.preprocess.elements.laminate import Laminate, Layer
 from duhamel.preprocess.elements.shell_matrices import nodal_strains
 from duhamel.preprocess.mesh.nodes import Nodes
 
@@ -271,3 +273,69 @@ def test_the_twisted_z_section_has_the_axial_stress_of_nafems_le5():
     """Abaqus' S4 has -110.36 MPa on both meshes, as its guide of benchmarks says."""
     assert z_section("quad", 1) == pytest.approx(-108.0, rel=0.03)
     assert z_section("quad", 2) == pytest.approx(-108.0, rel=0.03)
+
+
+CARBON = {
+    "E": [140e9, 9e9, 9e9],
+    "nu": [0.3, 0.3, 0.4],
+    "G": [5e9, 5e9, 3.2e9],
+    "rho": 1600.0,
+}
+
+
+def laminate(plies, materials):
+    """Plies as (material, thickness, angle in degrees), about the middle of all."""
+    total, z, layers = sum(t for _, t, _ in plies), 0.0, []
+    for name, t, angle in plies:
+        heights = (z - 0.5 * total, z + t - 0.5 * total)
+        layers.append(Layer(Material(**materials[name]), heights, np.radians(angle)))
+        z += t
+    return Laminate(layers)
+
+
+def test_plies_of_one_material_are_the_plate_that_they_make():
+    whole = laminate([("steel", 0.01, 0.0)], {"steel": STEEL}).stiffness
+    plies = [("steel", t, angle) for t, angle in ((0.002, 0.0), (0.003, 30.0), (0.005, -70.0))]
+    np.testing.assert_allclose(laminate(plies, {"steel": STEEL}).stiffness, whole, atol=1e-7)
+    D, G = 210e9 * 0.01**3 / 12 / 0.91, 210e9 / 2.6
+    np.testing.assert_allclose(np.diag(whole)[[3, 5, 6, 7]], [D, 0.35 * D, *(G / 120.0,) * 2])
+
+
+def test_cross_plies_have_the_stiffness_of_classical_lamination_theory():
+    """J. N. Reddy, Mechanics of Laminated Composite Plates and Shells (2003), 3.5."""
+    t = 1e-3
+    stiff, soft = 140e9 / (1 - 0.09 * 9 / 140), 9e9 / (1 - 0.09 * 9 / 140)
+    C = laminate([("c", t, 0.0), ("c", t, 90.0)], {"c": CARBON}).stiffness
+    assert C[0, 0] == pytest.approx(t * (stiff + soft))
+    assert C[0, 3] == pytest.approx(-0.5 * t**2 * (stiff - soft))
+    assert C[3, 3] == pytest.approx(t**3 / 3 * (stiff + soft))
+    balanced = laminate([("c", t, a) for a in (45.0, -45.0, -45.0, 45.0)], {"c": CARBON}).stiffness
+    np.testing.assert_allclose(balanced[:3, 3:6], 0.0, atol=1e-6 * t * balanced[0, 0])
+    assert abs(balanced[0, 2]) < 1e-9 * balanced[0, 0]
+    # Fibers along the diagonal couple bending and twist, more of the outer plies.
+    assert balanced[3, 5] > 0.1 * balanced[3, 3]
+
+
+def test_a_sandwich_gives_way_in_its_core():
+    """Thin faces: G (h + t)^2 / h. Five sixths of the mean modulus would be stiffer by hundreds."""
+    foam = {"E": 1e7, "nu": 0.3, "rho": 60.0}
+    h, t = 0.02, 0.0005
+    plies = [("steel", t, 0.0), ("foam", h, 0.0), ("steel", t, 0.0)]
+    S = laminate(plies, {"steel": STEEL, "foam": foam}).stiffness[6:, 6:]
+    assert S[0, 0] == pytest.approx(1e7 / 2.6 * (h + t) ** 2 / h, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fibers_askew_shear_a_strip_as_their_compliance_says(kind):
+    """Stretched along x, whatever way its elements are turned: strains are A^-1 N."""
+    body = {"plies": [{"thickness": 0.002, "angle": 30.0}], "orientation": [1.0, 0.0, 0.0]}
+    grid = Grid(skewed, (4, 3), kind, thickness=None, material=CARBON, **body)
+    A = laminate([("c", 0.002, 30.0)], {"c": CARBON}).stiffness[:3, :3]
+    e = np.linalg.solve(A, [1e5, 0.0, 0.0])
+    x, y, o = *grid.points[:, :2].T, np.zeros(len(grid.points))
+    exact = np.stack([e[0] * x + e[2] / 2 * y, e[1] * y + e[2] / 2 * x, o, o, o, o], axis=1)
+    f = (grid.K @ exact.ravel()).reshape(-1, 6)
+    sides = grid.at(r=1)
+    assert f[sides, 0].sum() == pytest.approx(1e5 * 1.2)
+    np.testing.assert_allclose(f[:, 1], 0.0, atol=1e-6 * 1e5)
+    assert abs(e[2]) > 0.5 * abs(e[0])

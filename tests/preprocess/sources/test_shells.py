@@ -258,6 +258,7 @@ def test_what_a_body_of_shells_cannot_have_is_named(changes, words):
         ([[0, 1, 3, 2]], "degenerate or not convex"),
         ([[0, 1, 4, 3], [4, 5, 2, 1]], "found them on opposite sides of neighbors"),
         ([[0, 1, 4, 3], [1, 2, 5, 4], [1, 2, 2, 4]], "degenerate or not convex"),
+        ([[0, 1, 4, 3], [1, 2, 5, 4], [4, 3, 0, 1]], "is there 2 times, expected once"),
     ],
 )
 def test_meshes_that_are_no_shells_are_named(cells, words):
