@@ -1,4 +1,4 @@
-"""The outline of a body: the boundary of solids or shells, or lines swept by sections like theirs."""
+"""The outline of a body: the boundary of solids and shells, or lines swept by sections."""
 
 import numpy as np
 

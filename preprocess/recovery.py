@@ -36,7 +36,7 @@ def check_recovery(body: Body, source: Source) -> None:
 def recover(
     body: Body, source: Source, structure: Structure, shapes: Shapes, rest: Array | None = None
 ) -> Recovery:
-    """Modes at the points of lines or on the surface of solids and shells, and stresses if asked for.
+    """Modes at the points of lines or on the surface of solids and shells, perhaps with stresses.
 
         phi = T shapes,   stress = C strain(T shapes)
 

@@ -157,9 +157,9 @@ class Body(NamedBody):
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
     for solids. For shells one of shell and shells (by mesh group), which take their materials from
-    material, or by name from materials. scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else
-    is in SI units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending,
-    tetrahedra with nodes in the middle of their edges.
+    material, or by name from materials. scale: the unit of the mesh's coordinates in meters, 1e-3
+    for millimeters. All else is in SI units. order: 2 makes linear tetrahedra and wedges, which are
+    too stiff in bending, tetrahedra with nodes in the middle of their edges.
 
     Raises
     ------

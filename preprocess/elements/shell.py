@@ -152,7 +152,8 @@ class Shells:
         rows[:, :, 1, 1] = s[:, None] * along[:, None, 1]
         rows[:, :, 2, 0] = r[:, None] * along[:, None, 1]
         rows[:, :, 2, 1] = s[:, None] * along[:, None, 0]
-        strains = np.einsum("nij,nqjm->nqim", middle.in_plane[:, 0], rows.reshape(*rows.shape[:3], 4))
+        covariant = rows.reshape(*rows.shape[:3], 4)
+        strains = np.einsum("nij,nqjm->nqim", middle.in_plane[:, 0], covariant)
         return np.asarray(strains * (middle.areas / at.areas)[:, :, None, None])
 
     def drilling(self, xi: Array, at: Frames) -> Array:
@@ -169,7 +170,7 @@ class Shells:
         return rows
 
     def motion(self, xi: Array) -> tuple[Array, Array]:
-        """u (q, k) from the displacements of nodes, and f = w x d (n, q, 3, k, 3) from rotations."""
+        """u (q, k) from displacements of nodes, and f = w x d (n, q, 3, k, 3) from rotations."""
         N = self.shape.N(xi).T
         # Rows of w x d by w: -d~.
         x, y, z = np.moveaxis(self.d, 2, 0)

@@ -12,7 +12,6 @@ from .assembly_map import pattern
 from .batches import batched
 from .laminate import Laminate
 from .shell import Frames, Shells
-from .shell_shape import SHELL_SHAPES
 
 DRILLING_FACTOR = 1e-4
 """The stiffness and inertia of a rotation about the normal, relative to the membrane's shear

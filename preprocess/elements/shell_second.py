@@ -219,7 +219,7 @@ class _Batch:
     def _add_in_plane(self, G: Array, N: Array, M: Array, at: Frames) -> None:
         """Of covariant forces N and moments M (n, q, 3, r).
 
-            e_ab'' = sym u,a.u,b;   k_ab'' = sym (u,a.f,b + u,b.f,a) + A_a.d'',b
+        e_ab'' = sym u,a.u,b;   k_ab'' = sym (u,a.f,b + u,b.f,a) + A_a.d'',b
         """
         dN = self.shells.shape.dN(self.shells.shape.xi)
         pairs = np.stack(
@@ -262,7 +262,7 @@ class _Batch:
     def _add_drilling(self, G: Array, s: Array, at: Frames) -> None:
         """Of moments (n, q, r) on w.n - 1/2 (e_2.u,1 - e_1.u,2), whose axes turn with the nodes.
 
-            -1/2 (u,1.(w x e_2) - u,2.(w x e_1)),   symmetric
+        -1/2 (u,1.(w x e_2) - u,2.(w x e_1)),   symmetric
         """
         shape = self.shells.shape
         along = np.einsum("nqia,kaq->nqik", at.turn, shape.dN(shape.xi))
@@ -275,7 +275,7 @@ class _Batch:
 
 
 def _works(G: Array, left: Array, right: Array) -> Array:
-    """left^T G right (r_G, r_left, r_right), summed over elements, of symmetric G (n, r_G, c, c)."""
+    """left^T G right (r_G, r_left, r_right), summed over elements; G (n, r_G, c, c) symmetric."""
     if left.shape[2] > right.shape[2]:
         return _works(G, right, left).transpose(0, 2, 1)
     n, r, c, _ = G.shape

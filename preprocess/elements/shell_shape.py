@@ -83,9 +83,9 @@ def _quadrangle_shear(xi: Array) -> Array:
 def _triangle_shear(xi: Array) -> Array:
     """MITC3+, from six points A to F.
 
-        e_rt = 2/3 (e_rt^B - 1/2 e_st^B) + 1/3 (e_rt^C + e_st^C) + 1/3 c (3 s - 1)
-        e_st = 2/3 (e_st^A - 1/2 e_rt^A) + 1/3 (e_rt^C + e_st^C) + 1/3 c (1 - 3 r)
-        c = e_rt^F - e_rt^D - e_st^F + e_st^E
+    e_rt = 2/3 (e_rt^B - 1/2 e_st^B) + 1/3 (e_rt^C + e_st^C) + 1/3 c (3 s - 1)
+    e_st = 2/3 (e_st^A - 1/2 e_rt^A) + 1/3 (e_rt^C + e_st^C) + 1/3 c (1 - 3 r)
+    c = e_rt^F - e_rt^D - e_st^F + e_st^E
     """
     r, s = xi
     a, b, c, d, e, f = range(6)

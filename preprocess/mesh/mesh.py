@@ -41,8 +41,8 @@ class Mesh:
     labels (n,): the numbers that the file gives to points, None if none.
 
     `body_types` are the types of the cells that make the body: lines alone, or shells or solid
-    cells of one or more types. Elements are counted through these types in their order: number n is a row of the
-    first type with rows to spare.
+    cells of one or more types. Elements are counted through these types in their order: number n is
+    a row of the first type with rows to spare.
     """
 
     name: str

@@ -69,8 +69,8 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     """Read a mesh and its groups; coordinates are multiplied by `scale`, the unit of the file [m].
 
     The file of each format in `formats` says how it names groups. `MeshError` if the file
-    cannot be read, or holds cells that are neither lines, shells nor solids. `MeshWarning` if it holds more
-    than is read of it: nodes that belong to no element are left out.
+    cannot be read, or holds cells that are neither lines, shells nor solids. `MeshWarning` if it
+    holds more than is read of it: nodes that belong to no element are left out.
     """
     path = Path(path)
     return finished(path, read_draft(path), scale)

@@ -47,9 +47,7 @@ def locate_in_shells(source: MeshOfShells, point: Array) -> ShellPoint:
             if beyond < nearest:
                 best, nearest = ShellPoint(kind, row, xi, z), beyond
     if best is None or nearest > OUTSIDE_TOLERANCE:
-        raise BodyError(
-            f"expected a point within the thickness of a shell, found {point.tolist()}"
-        )
+        raise BodyError(f"expected a point within the thickness of a shell, found {point.tolist()}")
     return best
 
 
@@ -151,7 +149,8 @@ def volume_loads(source: MeshOfShells, group: str | None, density: Array) -> Arr
         rows = np.flatnonzero(source.mesh.of_kind(chosen, kind))
         some = part(shells, rows)
         low, high = heights[source.mesh.of_kind(source.laminates.owners, kind)[rows]].T
-        areas = some.frames(some.shape.xi).areas * some.shape.weights @ some.shape.N(some.shape.xi).T
+        xi = some.shape.xi
+        areas = (some.frames(xi).areas * some.shape.weights) @ some.shape.N(xi).T
         forces = ((high - low)[:, None] * areas)[..., None] * density
         arms = 0.5 * (low + high)[:, None, None] * some.d
         turning = spider(arms.reshape(-1, 3)).transpose(0, 2, 1)[:, 3:]

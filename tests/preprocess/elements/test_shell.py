@@ -180,7 +180,8 @@ def test_the_roof_of_scordelis_and_lo_converges():
     assert coarse == pytest.approx(1.0, abs=0.05)
     assert fine == pytest.approx(1.0, abs=0.01)
     triangles = [abs(scordelis_lo(n, "triangle") - 1.0) for n in (8, 16)]
-    assert triangles[1] < 0.05 and triangles[1] < 0.4 * triangles[0]
+    assert triangles[1] < 0.05
+    assert triangles[1] < 0.4 * triangles[0]
 
 
 @pytest.mark.parametrize("kind", KINDS)

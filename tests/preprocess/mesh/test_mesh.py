@@ -124,7 +124,7 @@ def test_cells_that_make_no_body(save):
     pyramid = meshio.Mesh(points, [("pyramid", [[0, 1, 2, 3, 4]])])
     with pytest.raises(
         MeshError,
-        match=r"mesh\.vtk: unsupported cells pyramid; bodies are made of line, triangle, quad, tetra",
+        match=r"mesh\.vtk: unsupported cells pyramid; bodies are made of line, triangle, quad",
     ):
         read_mesh(save(pyramid, "mesh.vtk", "vtk", binary=False))
     point = meshio.Mesh(points, [("vertex", [[0]])])

@@ -285,9 +285,7 @@ def test_a_plate_swings_on_a_hinge_as_a_rigid_one_of_its_mass_and_inertia():
     """A pendulum of sheet metal, stiff beside its slow swing."""
     a, b, thick = 0.3, 0.1, 0.005
     grid = Grid(lambda r, s: (a * r, b * s, 0.0), (6, 2), thickness=thick, **STEEL)
-    part = du.Part(
-        grid.source.mesh, du.Material(**STEEL), shell={"thickness": thick}, name="plate"
-    )
+    part = du.Part(grid.source.mesh, du.Material(**STEEL), shell={"thickness": thick}, name="plate")
     part.interface("edge", du.plane(x=0.0), kind="rigid")
     mechanism = du.Mechanism(gravity=[0, 0, -9.81])
     body = mechanism.add(part.superelement(step=1e-4), name="plate")
