@@ -46,6 +46,7 @@ def directors(points: Array, cells: Mapping[str, IntArray], owners: IntArray) ->
         first += nodes.size
     sides = _sides(cells, corner)
     joined, turned = _joined(sides, mean, owners)
+    # Corners of one node are joined along sides: around it goes what is smooth on the way.
     one, other = sides.corners[joined[0]], sides.corners[joined[1], ::-1]
     graph = sp.coo_array((np.ones(one.size), (one.ravel(), other.ravel())), shape=(first, first))
     count, fan = connected_components(graph, directed=False)
@@ -65,6 +66,7 @@ def _corner_normals(X: Array) -> Array:
     after, before = np.roll(X, -1, axis=1) - X, np.roll(X, 1, axis=1) - X
     across = np.cross(after, before)
     sine = np.linalg.norm(across, axis=2)
+    # By arctan2, which keeps the digits of angles near 0 and pi.
     angle = np.arctan2(sine, np.einsum("nki,nki->nk", after, before))
     return np.asarray(across * (angle / np.maximum(sine, np.finfo(float).tiny))[..., None])
 
@@ -104,6 +106,7 @@ def _joined(
     keys = np.sort(sides.nodes, axis=1)
     _, edge, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     edge = edge.ravel()
+    # A web on a plate has no neighbor that it goes on in, so all three keep their normals.
     inner = np.flatnonzero(count[edge] == 2)
     first, second = inner[np.argsort(edge[inner], kind="stable")].reshape(-1, 2).T
     # Neighbors of one side of the surface run along their edge in opposite directions.

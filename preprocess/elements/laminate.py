@@ -63,6 +63,7 @@ class Laminate:
 
         Shear as of `shear`.
         """
+        # Local axis 1 is that of the shell: plies differ from it by their angle alone.
         C = np.zeros((8, 8))
         for layer in self.layers:
             a, b, d = layer.moments(3)
@@ -89,6 +90,7 @@ class Laminate:
             x, w = np.polynomial.legendre.leggauss(3)
             z = 0.5 * (z0 + z1) + 0.5 * (z1 - z0) * x
             s = before + np.outer(z - z0, constant) + np.outer(0.5 * (z**2 - z0**2), linear)
+            # Each direction has its own shear stress; plies askew couple both by their compliance.
             F += np.linalg.inv(layer.G) * ((0.5 * (z1 - z0) * w * s.T) @ s)
             before = before + (z1 - z0) * constant + 0.5 * (z1**2 - z0**2) * linear
         return np.asarray(np.linalg.inv(F), dtype=np.float64)
@@ -122,6 +124,7 @@ class Laminate:
 
     def shortest_wave(self, frequency: float) -> float:
         """The length [m] of a bending wave at a frequency [Hz], 2 pi (D / (m omega^2))^(1/4)."""
+        # The softest direction has the shortest wave.
         D = float(np.min(np.diag(self.stiffness)[3:5]))
         omega = 2.0 * np.pi * frequency
         return float(2.0 * np.pi * (D / (self.density * omega**2)) ** 0.25)

@@ -6,11 +6,12 @@ from functools import cached_property
 import numpy as np
 
 from ...superelement.validation import Array
+from ..mesh.mesh import IntArray
 from .shell_shape import ShellShape
 
 
 @dataclass(frozen=True, eq=False)
-class Frames:
+class SurfaceFrames:
     """The surface of n shells at q points: tangents a (n, q, 2, 3), areas (n, q), axes.
 
     axes (n, q, 3, 3): local axes as rows, the third one the normal; turn (n, q, 2, 2): t_ia, the
@@ -54,20 +55,25 @@ class Shells:
     d: Array
     axis: Array
 
-    def frames(self, xi: Array) -> Frames:
+    def some(self, rows: IntArray) -> "Shells":
+        """Some of the shells."""
+        return Shells(self.shape, self.X[rows], self.d[rows], self.axis[rows])
+
+    def frames(self, xi: Array) -> SurfaceFrames:
         """The surface at points xi (2, q)."""
         a = np.einsum("kaq,nki->nqai", self.shape.dN(xi), self.X)
         normal = np.cross(a[:, :, 0], a[:, :, 1])
         areas = np.linalg.norm(normal, axis=2)
         e3 = normal / areas[..., None]
         across = self.axis[:, None] - np.einsum("ni,nqi->nq", self.axis, e3)[..., None] * e3
+        # An axis along the normal, which has no projection, is refused where the body is read.
         e1 = across / np.linalg.norm(across, axis=2, keepdims=True)
         axes = np.stack([e1, np.cross(e3, e1), e3], axis=2)
         # a_alpha = s_(alpha i) e_i, of which the inverse has the contravariant base.
         turn = np.linalg.inv(np.einsum("nqai,nqbi->nqab", a, axes[:, :, :2]))
-        return Frames(a, areas, axes, turn)
+        return SurfaceFrames(a, areas, axes, turn)
 
-    def membrane(self, xi: Array, at: Frames) -> Array:
+    def membrane(self, xi: Array, at: SurfaceFrames) -> Array:
         """Strains (n, q, 3, k, 6) of the surface along its axes, 11, 22, 2 12.
 
         e_ab = 1/2 (a_a . u,b + a_b . u,a)
@@ -76,7 +82,7 @@ class Shells:
         rows[..., :3] = _paired(self.shape.dN(xi), at.a)
         return np.asarray(np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows))
 
-    def bending(self, xi: Array, at: Frames) -> Array:
+    def bending(self, xi: Array, at: SurfaceFrames) -> Array:
         """Curvatures (n, q, 3, k, 6), the slopes of strains by the height z.
 
             k_ab = 1/2 (a_a . f,b + d,a . u,b + a_b . f,a + d,b . u,a),   f = w x d
@@ -85,11 +91,12 @@ class Shells:
         """
         dN = self.shape.dN(xi)
         rows = np.zeros((*at.areas.shape, 3, self.X.shape[1], 6))
+        # Of flat shells the director is the same everywhere: displacements then do not bend.
         rows[..., :3] = _paired(dN, np.einsum("kaq,nki->nqai", dN, self.d))
         rows[..., 3:] = np.cross(self.d[:, None, None], _paired(dN, at.a))
         return np.asarray(np.einsum("nqij,nqjkd->nqikd", at.in_plane, rows))
 
-    def bubble_bending(self, xi: Array, at: Frames) -> Array:
+    def bubble_bending(self, xi: Array, at: SurfaceFrames) -> Array:
         """Curvatures (n, q, 3, 2) of the bubble of directors along the tangents `bubble_axes`."""
         assert self.shape.bubble is not None
         _, slopes = self.shape.bubble(xi)
@@ -128,17 +135,18 @@ class Shells:
         values, _ = self.shape.bubble(xi)
         return rows, values[:, None, None] * np.einsum("npai,nmi->npam", a, self.bubble_axes)
 
-    def shear(self, xi: Array, at: Frames) -> tuple[Array, Array]:
+    def shear(self, xi: Array, at: SurfaceFrames) -> tuple[Array, Array]:
         """Assumed shear strains 2 13, 2 23 (n, q, 2, k, 6), and those of the bubble."""
         weights = np.einsum("nqia,qapb->nqipb", at.turn, self.shape.weights_of_ties(xi))
         rows, of_bubble = self._tied
+        # One product for all ties, whatever the element: their strains do not depend on the point.
         flat = weights.reshape(*weights.shape[:3], -1)
         n, p = rows.shape[:2]
         nodal = np.einsum("nqij,njc->nqic", flat, rows.reshape(n, 2 * p, -1))
         bubble = np.einsum("nqij,njm->nqim", flat, of_bubble.reshape(n, 2 * p, -1))
         return nodal.reshape(*flat.shape[:3], -1, 6), bubble
 
-    def incompatible(self, xi: Array, at: Frames) -> Array:
+    def incompatible(self, xi: Array, at: SurfaceFrames) -> Array:
         """Strains (n, q, 3, 4) of the modes 1 - r^2 and 1 - s^2 of displacements in the plane.
 
         By the Jacobian of the middle, so that uniform strains bring none of them about. Source:
@@ -156,11 +164,12 @@ class Shells:
         strains = np.einsum("nij,nqjm->nqim", middle.in_plane[:, 0], covariant)
         return np.asarray(strains * (middle.areas / at.areas)[:, :, None, None])
 
-    def drilling(self, xi: Array, at: Frames) -> Array:
+    def drilling(self, xi: Array, at: SurfaceFrames) -> Array:
         """The rotation (n, q, k, 6) about the normal beyond that of the surface.
 
         w . n - 1/2 (e_2 . u,1 - e_1 . u,2)
         """
+        # Slopes along the local axes, in which the mean rotation of the surface is one number.
         along = np.einsum("nqia,kaq->nqik", at.turn, self.shape.dN(xi))
         e1, e2, e3 = np.moveaxis(at.axes, 2, 0)
         rows = np.empty((*at.areas.shape, self.X.shape[1], 6))

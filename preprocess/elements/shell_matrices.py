@@ -11,7 +11,7 @@ from ..threads import in_order
 from .assembly_map import pattern
 from .batches import batched
 from .laminate import Laminate
-from .shell import Frames, Shells
+from .shell import Shells, SurfaceFrames
 
 DRILLING_FACTOR = 1e-4
 """The stiffness and inertia of a rotation about the normal, relative to the membrane's shear
@@ -53,7 +53,7 @@ def shell_matrices(
     K, M = np.zeros((blocks.n_blocks, 6, 6)), np.zeros((blocks.n_blocks, 6, 6))
 
     def of_batch(batch: ShellBatch) -> tuple[IntArray, Array, Array]:
-        cells, some = mesh.cells[batch.kind][batch.rows], part(shells[batch.kind], batch.rows)
+        cells, some = mesh.cells[batch.kind][batch.rows], shells[batch.kind].some(batch.rows)
         at = some.frames(some.shape.xi)
         laminate = laminates[batch.owner]
         i, j = np.triu_indices(cells.shape[1])
@@ -69,12 +69,7 @@ def shell_matrices(
     return blocks.matrix(K), blocks.matrix(M)
 
 
-def part(shells: Shells, rows: IntArray) -> Shells:
-    """Some of the shells."""
-    return Shells(shells.shape, shells.X[rows], shells.d[rows], shells.axis[rows])
-
-
-def generalized(shells: Shells, xi: Array, at: Frames) -> Array:
+def generalized(shells: Shells, xi: Array, at: SurfaceFrames) -> Array:
     """Strains (n, q, 8, c): of the surface (3), curvatures (3) and shear (2), along its axes.
 
     c: the dofs 6 k of the nodes, and then what is internal: two of the bubble of triangles, or four
@@ -84,6 +79,7 @@ def generalized(shells: Shells, xi: Array, at: Frames) -> Array:
     nodal = [shells.membrane(xi, at), shells.bending(xi, at), shear]
     n, q = at.areas.shape
     strains = np.concatenate([rows.reshape(n, q, rows.shape[2], -1) for rows in nodal], axis=2)
+    # What no neighbor shares: it is condensed before elements are summed.
     inner = np.zeros((n, q, 8, 4 if shells.shape.incompatible else 2))
     if shells.shape.incompatible:
         inner[:, :, :3] = shells.incompatible(xi, at)
@@ -106,7 +102,7 @@ def condensation(K: Array, n_nodal: int) -> Array:
     return np.asarray(-inner, dtype=np.float64)
 
 
-def nodal_strains(shells: Shells, laminate: Laminate, xi: Array) -> tuple[Array, Frames]:
+def nodal_strains(shells: Shells, laminate: Laminate, xi: Array) -> tuple[Array, SurfaceFrames]:
     """Strains (n, q, 8, 6 k) at points xi from the dofs of nodes alone, and the axes there."""
     c, inner = 6 * shells.X.shape[1], shells.frames(shells.shape.xi)
     dA = inner.areas * shells.shape.weights
@@ -116,19 +112,20 @@ def nodal_strains(shells: Shells, laminate: Laminate, xi: Array) -> tuple[Array,
     return strains[..., :c] + strains[..., c:] @ condensation(full, c)[:, None], at
 
 
-def _stiffness(shells: Shells, at: Frames, laminate: Laminate) -> Array:
+def _stiffness(shells: Shells, at: SurfaceFrames, laminate: Laminate) -> Array:
     """(n, k, 6, k, 6), with what is internal condensed."""
     xi, (n, k) = shells.shape.xi, shells.X.shape[:2]
     dA = at.areas * shells.shape.weights
     full = full_stiffness(generalized(shells, xi, at), laminate, dA)
     c = 6 * k
     K = full[:, :c, :c] + full[:, :c, c:] @ condensation(full, c)
+    # At all points, not one: a single point would leave alternating rotations free.
     drilling = shells.drilling(xi, at).reshape(n, -1, c)
     held = DRILLING_FACTOR * laminate.in_plane_shear * dA[..., None] * drilling
     return np.asarray(K + drilling.transpose(0, 2, 1) @ held).reshape(n, k, 6, k, 6)
 
 
-def _mass(shells: Shells, at: Frames, laminate: Laminate) -> Array:
+def _mass(shells: Shells, at: SurfaceFrames, laminate: Laminate) -> Array:
     """(n, k, 6, k, 6): int m u.u + 2 s u.f + j f.f dA, with f = w x d.
 
     And a part of j on the rotation about the normal beyond that of the surface, which no rigid
@@ -140,6 +137,7 @@ def _mass(shells: Shells, at: Frames, laminate: Laminate) -> Array:
     M = np.zeros((n, k, 6, k, 6))
     mass, moment, inertia = laminate.inertia
     M[:, :, :3, :, :3] = np.einsum("nq,qk,ql,ij->nkilj", mass * dA, N, N, np.eye(3), optimize=True)
+    # Zero where the mass is centered at the nodes; an offset couples stretch and rotation.
     mixed = np.einsum("nq,qk,nqilj->nkilj", moment * dA, N, f, optimize=True)
     M[:, :, :3, :, 3:], M[:, :, 3:, :, :3] = mixed, mixed.transpose(0, 3, 4, 1, 2)
     M[:, :, 3:, :, 3:] = np.einsum("nq,nqmki,nqmlj->nkilj", inertia * dA, f, f, optimize=True)

@@ -12,8 +12,8 @@ from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import node_dofs
 from .inertia import LEVI_CIVITA, of_moments, second_of_products
 from .laminate import Laminate
-from .shell import Frames, Shells
-from .shell_matrices import DRILLING_FACTOR, nodal_strains, part, shell_batches
+from .shell import Shells, SurfaceFrames
+from .shell_matrices import DRILLING_FACTOR, nodal_strains, shell_batches
 
 GEOMETRIC_BATCH = 2**22  # numbers in the geometric stiffnesses of a batch of elements
 
@@ -106,7 +106,7 @@ class ShellTensors:
                 some = slice(start, start + size)
                 yield _Batch(
                     node_dofs(cells[some], 6),
-                    part(self.shells[found.kind], found.rows[some]),
+                    self.shells[found.kind].some(found.rows[some]),
                     self.laminates[found.owner],
                 )
 
@@ -137,6 +137,7 @@ class _Piece:
         shells, xi = batch.shells, batch.shells.shape.xi
         dA = shells.frames(xi).areas * shells.shape.weights
         mass, moment, inertia = batch.laminate.inertia
+        # Two points with half of the mass each have all three moments of the thickness.
         middle, radius = moment / mass, np.sqrt(inertia / mass - (moment / mass) ** 2)
         N, spun = shells.motion(xi)
         n, k = shells.X.shape[:2]
@@ -196,6 +197,7 @@ class _Batch:
     def geometric(self, motions: Array) -> Array:
         """G (n, r, 6 k, 6 k): b^T G c = S.E2(b, c) with the forces S of motions (n, 6 k, r)."""
         shells, shape = self.shells, self.shells.shape
+        # With what is internal, whose forces belong to the stress of a motion.
         strains, at = nodal_strains(shells, self.laminate, shape.xi)
         dA = at.areas * shape.weights
         forces = self.laminate.stiffness @ (strains @ motions[:, None]) * dA[:, :, None, None]
@@ -216,7 +218,7 @@ class _Batch:
         """-d~ (n, k, 3, 3): w x d from w."""
         return np.asarray(np.einsum("imj,nkj->nkim", LEVI_CIVITA, self.shells.d))
 
-    def _add_in_plane(self, G: Array, N: Array, M: Array, at: Frames) -> None:
+    def _add_in_plane(self, G: Array, N: Array, M: Array, at: SurfaceFrames) -> None:
         """Of covariant forces N and moments M (n, q, 3, r).
 
         e_ab'' = sym u,a.u,b;   k_ab'' = sym (u,a.f,b + u,b.f,a) + A_a.d'',b
@@ -242,7 +244,7 @@ class _Batch:
         v += np.einsum("nqr,jq,nqi->nrji", M[:, :, 2], first, at.a[:, :, 1], optimize=True)
         self._add_directors(G, v)
 
-    def _add_shear(self, G: Array, Q: Array, at: Frames) -> None:
+    def _add_shear(self, G: Array, Q: Array, at: SurfaceFrames) -> None:
         """Of shear forces (n, q, 2, r): (2 e_at)'' = sym u,a.f + A_a.d'' at the ties."""
         shape = self.shells.shape
         weights = np.einsum("nqia,qapb->nqipb", at.turn, shape.weights_of_ties(shape.xi))
@@ -256,10 +258,11 @@ class _Batch:
     def _add_directors(self, G: Array, v: Array) -> None:
         """Of vectors v (n, r, k, 3) that work on the second order of directors."""
         blocks = _turned_twice(v, self.shells.d[:, None])
+        # Directors turn with their own node alone: nothing is off the diagonal.
         for node in range(blocks.shape[2]):
             G[:, :, node, 3:, node, 3:] += blocks[:, :, node]
 
-    def _add_drilling(self, G: Array, s: Array, at: Frames) -> None:
+    def _add_drilling(self, G: Array, s: Array, at: SurfaceFrames) -> None:
         """Of moments (n, q, r) on w.n - 1/2 (e_2.u,1 - e_1.u,2), whose axes turn with the nodes.
 
         -1/2 (u,1.(w x e_2) - u,2.(w x e_1)),   symmetric

@@ -10,7 +10,7 @@ from .mesh import Group, IntArray, Mesh
 
 MIDDLE_OF_SIDES = np.array([-0.25] * 4 + [0.5] * 4)
 """weights of the nodes of a quadrangle with eight nodes in its middle"""
-DIVISIONS = {
+CELL_DIVISIONS = {
     "triangle6": ("triangle", np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])),
     "quad9": ("quad", np.array([[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]])),
 }
@@ -27,16 +27,17 @@ def divided(mesh: Mesh) -> Mesh:
     of_second = [kind for kind in mesh.body_types if kind not in SHELL_CELLS]
     if not of_second:
         return mesh
+    # A node on one side only would leave a slit between both.
     if len(of_second) < len(mesh.body_types):
         raise MeshError(
             f"{mesh.name}: expected shells of one order, found {', '.join(mesh.body_types)}, which "
             "do not share the nodes on their sides"
         )
     whole = _with_middles(mesh)
-    cells = {kind: nodes for kind, nodes in whole.cells.items() if kind not in DIVISIONS}
+    cells = {kind: nodes for kind, nodes in whole.cells.items() if kind not in CELL_DIVISIONS}
     rows: dict[str, tuple[str, IntArray]] = {}
-    for kind in (kind for kind in whole.body_types if kind in DIVISIONS):
-        into, parts = DIVISIONS[kind]
+    for kind in (kind for kind in whole.body_types if kind in CELL_DIVISIONS):
+        into, parts = CELL_DIVISIONS[kind]
         pieces = whole.cells[kind][:, parts]
         first = len(cells.get(into, ()))
         pieces_flat = pieces.reshape(-1, pieces.shape[2])

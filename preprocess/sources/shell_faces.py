@@ -12,13 +12,13 @@ from ..assembly.source import FacePoints
 from ..body.material import STRESS_ORDER
 from ..elements.directors import Directors
 from ..elements.laminate import Laminate
-from ..elements.shell import Frames, Shells
-from ..elements.shell_matrices import nodal_strains, part, shell_batches
+from ..elements.shell import Shells, SurfaceFrames
+from ..elements.shell_matrices import nodal_strains, shell_batches
 from ..mesh.mesh import IntArray, Mesh
 from ..mesh.nodes import node_dofs
 from .assignment import Assignment
 
-LOWER, UPPER = 0, 1  # numbers of faces
+LOWER_FACE, UPPER_FACE = 0, 1  # numbers of faces
 
 
 class MeshOfShells(Protocol):
@@ -64,7 +64,7 @@ def _facets(of: Directors) -> list[IntArray]:
     """The upper and lower facets of all elements, and those across the thickness."""
     cells = []
     for kind, fan in of.fans.items():
-        lower, upper = 2 * fan + LOWER, 2 * fan + UPPER
+        lower, upper = 2 * fan + LOWER_FACE, 2 * fan + UPPER_FACE
         cells += [upper, lower[:, ::-1]]
         after = np.roll(np.arange(fan.shape[1]), -1)
         across = np.stack([lower, lower[:, after], upper[:, after], upper], axis=2)
@@ -79,11 +79,12 @@ def _with_stresses(source: MeshOfShells, points: FacePoints) -> FacePoints:
     rows, columns, values = [], [], []
     for batch in shell_batches(source.mesh, source.laminates.owners):
         cells = source.mesh.cells[batch.kind][batch.rows]
-        some = part(source.shells[batch.kind], batch.rows)
+        some = source.shells[batch.kind].some(batch.rows)
         laminate = source.laminates.values[batch.owner]
         strains, at = nodal_strains(some, laminate, some.shape.corners)
         fan = source.directors.fans[batch.kind][batch.rows]
-        for face in (LOWER, UPPER):
+        for face in (LOWER_FACE, UPPER_FACE):
+            # Every corner counts alike: the mean does not depend on how elements are numbered.
             point = 2 * fan + face
             np.add.at(count, point, 1.0)
             stress = face_stresses(laminate, face, strains, at)  # (n, k, 6, 6 k)
@@ -106,7 +107,7 @@ def _with_stresses(source: MeshOfShells, points: FacePoints) -> FacePoints:
     )
 
 
-def face_stresses(laminate: Laminate, face: int, strains: Array, at: Frames) -> Array:
+def face_stresses(laminate: Laminate, face: int, strains: Array, at: SurfaceFrames) -> Array:
     """Stresses (n, q, 6, c) in mesh axes on a face, which has none across it.
 
     strains (n, q, 8, c): of the surface, curvatures and shear, along the axes `at`.

@@ -8,12 +8,12 @@ import scipy.sparse as sp
 from ...superelement.validation import Array
 from ..elements.laminate import Laminate
 from ..elements.shell import Shells
-from ..elements.shell_matrices import nodal_strains, part
+from ..elements.shell_matrices import nodal_strains
 from ..elements.shell_shape import TRIANGLE_CORNERS
 from ..errors import BodyError
 from ..mesh.nodes import node_dofs, spider
 from ..sparse import in_columns
-from .shell_faces import LOWER, UPPER, MeshOfShells, face_stresses
+from .shell_faces import LOWER_FACE, UPPER_FACE, MeshOfShells, face_stresses
 
 NEAREST_ELEMENTS = 32  # that are searched for a point
 MAX_STEPS = 30
@@ -40,7 +40,8 @@ def locate_in_shells(source: MeshOfShells, point: Array) -> ShellPoint:
     for kind, shells in source.shells.items():
         distance = np.linalg.norm(shells.X.mean(axis=1) - point, axis=1)
         for row in np.argsort(distance)[:NEAREST_ELEMENTS].tolist():
-            xi, z = _projected(part(shells, np.array([row])), point)
+            # The element whose middle is nearest need not be the one that has the point.
+            xi, z = _projected(shells.some(np.array([row])), point)
             low, high = _laminate(source, kind, row).z
             beyond = max(low - z, z - high, 0.0) / source.mesh.size
             beyond += _beyond(shells, xi)
@@ -65,6 +66,7 @@ def _projected(shell: Shells, point: Array) -> tuple[Array, float]:
         at, director = N @ X, N @ d
         J = np.column_stack([((X + z * d).T @ dN), director])
         change = np.linalg.solve(J, point - at - z * director)
+        # Far outside a warped element folds, and Newton's method would run away.
         xi = np.clip(xi + change[:2, None], -3.0, 3.0)
         z += float(change[2])
         if np.abs(change[:2]).max() < 1e-12:
@@ -80,10 +82,10 @@ def _beyond(shells: Shells, xi: Array) -> float:
     return float(max(abs(r) - 1.0, abs(s) - 1.0, 0.0))
 
 
-def displacement_rows(source: MeshOfShells, point: Array) -> Any:
+def shell_displacement_rows(source: MeshOfShells, point: Array) -> Any:
     """Rows (3, 6 n), sparse: the displacement u + z w x d of a point."""
     place = locate_in_shells(source, point)
-    shell = part(source.shells[place.kind], np.array([place.row]))
+    shell = source.shells[place.kind].some(np.array([place.row]))
     N, spun = shell.motion(place.xi)
     k = len(N[0])
     rows = np.zeros((3, k, 6))
@@ -95,7 +97,7 @@ def displacement_rows(source: MeshOfShells, point: Array) -> Any:
 def gauge_rows(source: MeshOfShells, point: Array, direction: Array) -> Any:
     """One row: the strain at a point along a direction (3,) of the surface."""
     place = locate_in_shells(source, point)
-    shell = part(source.shells[place.kind], np.array([place.row]))
+    shell = source.shells[place.kind].some(np.array([place.row]))
     strains, at = nodal_strains(shell, _laminate(source, place.kind, place.row), place.xi)
     e1, e2, e3 = at.axes[0, 0]
     if abs(direction @ e3) > MAX_SINE_TO_SURFACE:
@@ -116,13 +118,13 @@ def face_stress_rows(source: MeshOfShells, point: Array) -> Any:
     place = locate_in_shells(source, point)
     laminate = _laminate(source, place.kind, place.row)
     low, high = laminate.z
-    face = UPPER if place.z > 0.5 * (low + high) else LOWER
+    face = UPPER_FACE if place.z > 0.5 * (low + high) else LOWER_FACE
     if abs(place.z - laminate.z[face]) > FACE_TOLERANCE * (high - low):
         raise BodyError(
             f"stress: expected a point on a face of the shell, {low:g} or {high:g} m from its "
             f"nodes along the normal, found {place.z:.3g} m"
         )
-    shell = part(source.shells[place.kind], np.array([place.row]))
+    shell = source.shells[place.kind].some(np.array([place.row]))
     strains, at = nodal_strains(shell, laminate, place.xi)
     return _spread(source, place, face_stresses(laminate, face, strains, at)[0, 0])
 
@@ -147,7 +149,7 @@ def volume_loads(source: MeshOfShells, group: str | None, density: Array) -> Arr
     heights = np.array([laminate.z for laminate in source.laminates.values])
     for kind, shells in source.shells.items():
         rows = np.flatnonzero(source.mesh.of_kind(chosen, kind))
-        some = part(shells, rows)
+        some = shells.some(rows)
         low, high = heights[source.mesh.of_kind(source.laminates.owners, kind)[rows]].T
         xi = some.shape.xi
         areas = (some.frames(xi).areas * some.shape.weights) @ some.shape.N(xi).T

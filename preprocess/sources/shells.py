@@ -37,7 +37,12 @@ from ..mesh.nodes import Nodes
 from .assignment import Assignment, assign
 from .gauge import stretch_rows, unit_vector
 from .shell_faces import face_points
-from .shell_readings import displacement_rows, face_stress_rows, gauge_rows, volume_loads
+from .shell_readings import (
+    face_stress_rows,
+    gauge_rows,
+    shell_displacement_rows,
+    volume_loads,
+)
 
 SHELL_NODES_PER_WAVE = 7
 """Nodes in a wavelength of bending: waves run too fast by (k h)^2 / 16, 5 per cent."""
@@ -80,6 +85,7 @@ class ShellSource:
                 f"{self.name} is a mesh of shells: expected [shell] or [shells.GROUP] with a "
                 "thickness, found none; mesh the volume of a part of solids"
             )
+        # Every group has a laminate of its own, also where materials are the same: fans end there.
         whole = None if body.shell is None else self._laminate(body.shell)
         by_group = {name: self._laminate(shell) for name, shell in body.shells.items()}
         return assign(self.mesh, whole, by_group, "shells")
@@ -124,6 +130,7 @@ class ShellSource:
         for number, laminate in enumerate(self.laminates.values):
             if laminate.axis is not None:
                 axis[owners == number] = laminate.axis
+        # The first side of an element does where all directions are alike.
         axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
         sine = np.linalg.norm(np.cross(axis, normals), axis=1)
         if (along := np.flatnonzero(sine < MIN_SINE_TO_NORMAL)).size:
@@ -138,6 +145,7 @@ class ShellSource:
         """Unit normals (n, 3) in the middle of elements."""
         X = self.mesh.points[self.mesh.cells[kind]]
         across = np.cross(X[:, 1] - X[:, 0], X[:, 2] - X[:, 0])
+        # Diagonals: the mean normal of a warped quadrangle, whatever its first corner.
         if kind == "quad":
             across = np.cross(X[:, 2] - X[:, 0], X[:, 3] - X[:, 1])
         length = np.linalg.norm(across, axis=1, keepdims=True)
@@ -257,13 +265,13 @@ class ShellSource:
         """Of points within the thickness; stresses on a face."""
         point = np.array(sensor.point)
         if sensor.length is not None:
-            rows = stretch_rows(lambda x: displacement_rows(self, x), sensor, self.mesh.size)
+            rows = stretch_rows(lambda x: shell_displacement_rows(self, x), sensor, self.mesh.size)
             return rows, point
         if sensor.stress:
             return face_stress_rows(self, point), point
         if sensor.direction is not None:
             return gauge_rows(self, point, unit_vector(sensor.direction)), point
-        return displacement_rows(self, point), point
+        return shell_displacement_rows(self, point), point
 
     def check_fields(self, stress: bool) -> None:
         """Shells give displacements, and stresses on both faces."""
