@@ -218,5 +218,5 @@ def _cost(body: Body, structure: Structure) -> BuildCost | None:
         krylov_cost(wide.n_u, wide.K.nnz, wide.P_C.shape[0], impulse.steps, each)
         for each in (solutions.factor, solutions.iterative)
     )
-    chosen = solutions.cheaper if impulse.solver == "auto" else impulse.solver
+    chosen = solutions.cheaper if body.solver == "auto" else body.solver
     return BuildCost(factor, iterative, chosen)

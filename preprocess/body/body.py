@@ -26,7 +26,7 @@ from ...inputs import (
 from ...superelement import sha256
 from ..mesh.mesh import Mesh
 from .damping import Damping, check_fit
-from .impulse import Impulse, Method
+from .impulse import Impulse, Method, SolverName
 from .loads import LoadPattern
 from .material import Material, Section
 from .measured import Measured
@@ -246,6 +246,11 @@ class Body(NamedBody):
             )
         if self.order != 1:
             raise ValueError("order: expected 1 of shells, found 2, which is for solids")
+        if self.impulse.solver == "iterative":
+            raise ValueError(
+                "impulse.solver: expected auto or factor of shells, found iterative, which does "
+                "not converge on them"
+            )
         used = set()
         for key, shell in shells.items():
             for ply in shell.layers:
@@ -418,6 +423,12 @@ class Body(NamedBody):
         for key in ("sections", "materials"):
             parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
         return parts
+
+    @property
+    def solver(self) -> SolverName:
+        """What solves with its matrices; of shells always a factor in double precision."""
+        # Bending and stretch of thin shells lie too far apart for gradients, and for single digits.
+        return "factor" if self.shells_by_key else self.impulse.solver
 
     @property
     def loss_factors(self) -> dict[str, float]:

@@ -86,7 +86,8 @@ def read_mesh_source(body: Body) -> MeshSource:
     if body.shell is not None or body.shells:
         raise BodyError(
             f"{mesh.name}: [shell] is for a mesh of triangles and quadrangles alone, found "
-            f"{', '.join(mesh.body_types)}: shells beside solids are not supported"
+            f"{', '.join(mesh.body_types)}: shells beside solids are not supported: make two "
+            "bodies, and fix a rigid interface of one to one of the other"
         )
     # scikit-fem takes its time to import, and lines do without.
     from .solids import SolidSource

@@ -213,6 +213,10 @@ REFUSED = [
     ({"shells": {"thin": {"thickness": -1.0, "material": "steel"}}}, "greater than 0"),
     ({"shells": {"all": {"thickness": 1e-3, "material": "steel"}}}, "a shell of it, found none"),
     ({"order": 2}, "order: expected 1 of shells"),
+    (
+        {"impulse": IMPULSE | {"method": "krylov", "solver": "iterative"}},
+        "impulse.solver: expected auto or factor of shells",
+    ),
     ({"rotation": {"level": 2}}, "rotation.level: expected 1 of shells"),
     ({"surfaces": {"top": {"group": "thin"}}}, "surfaces: expected a mesh of solids, found shells"),
     ({"loads": {"f": {"force_per_length": [1, 0, 0]}}}, "expected a mesh of lines, found one of s"),
