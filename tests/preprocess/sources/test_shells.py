@@ -7,6 +7,7 @@ from duhamel.preprocess import Body, BodyError, MeshError, PreprocessError, asse
 from duhamel.preprocess.assembly.structure import assemble_on
 from duhamel.preprocess.mesh.divided import divided
 from duhamel.preprocess.outline import outline_of
+from duhamel.preprocess.responses.static import compliance
 from duhamel.preprocess.sources.reading import read_mesh_source
 
 from ..shell_cases import IMPULSE, KINDS, Grid
@@ -136,6 +137,20 @@ def test_an_average_edge_moves_as_the_rigid_motion_of_its_nodes(arc):
         motion = moved @ np.concatenate([[1.0, 2.0, -1.0], turn])
         np.testing.assert_allclose(motion[:3], rigid(X), atol=1e-12)
         np.testing.assert_allclose(motion[3:6], turn, atol=1e-12)
+
+
+def test_a_rigid_frame_on_one_node_leaves_six_rigid_motions(arc):
+    """As many dofs as before, in another order."""
+    one = {"node": [1.0, 0.25, 0.0]}
+    at = {"sphere": {"center": [1.0, 0.25, 0.0], "radius": 0.05}, "kind": "rigid"}
+    compliances = []
+    for selection in (one, at):
+        structure = assemble(on(arc, interfaces={"held": selection}).body)
+        A = structure.rigid.A
+        np.testing.assert_allclose(structure.K @ A, 0.0, atol=1e-12 * abs(structure.K).max())
+        compliances.append(compliance(structure))
+    scale = np.sqrt(np.diag(compliances[0]))
+    np.testing.assert_allclose(*(H / np.outer(scale, scale) for H in compliances), atol=1e-6)
 
 
 def second_order(kind):
