@@ -130,7 +130,7 @@ def _rigid(survey: Survey) -> Iterator[Row]:
         "principal inertia [kg m^2]",
         components(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64)),
     )
-    unit = "m" if survey.facets is None else "m^3"
+    unit = survey.source.extent_unit
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
         yield label, f"{share.mass:.6g} kg, {share.extent:.6g} {unit}, {share.elements} elements"
@@ -198,7 +198,7 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
     inside = int((frequencies.values <= band).sum())
     held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"
-    kind = "bending" if survey.facets is None else "shear"
+    kind = survey.source.wave
     hint = (
         ""
         if wave.nodes >= wave.needed

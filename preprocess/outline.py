@@ -1,4 +1,4 @@
-"""The outline of a body: the boundary of solids, or lines swept by sections like theirs."""
+"""The outline of a body: the boundary of solids and shells, or lines swept by sections."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def outline_of(source: Source, center: Array) -> Outline | None:
     if isinstance(source, LineSource):
         return swept(source, center)
     points = source.field_points(stress=False)
-    return Outline(source.nodes.points[points.nodes] - center, points.cells)
+    return Outline(points.places(source.nodes) - center, points.cells)
 
 
 def swept(source: LineSource, center: Array) -> Outline:

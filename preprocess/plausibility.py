@@ -27,6 +27,7 @@ MAX_SECTION_DEPTH = 0.5  # radius of gyration of a section over the size of its 
 POLAR_INERTIA_RATIOS = (0.01, 100.0)  # to that of a homogeneous section of the same EI and EA
 MAX_TORSION_RATIO = 10.0
 """GJ over EI_y + EI_z; 1 / (2 (1 + nu)) at most where one isotropic material fills the section."""
+SHELL_THICKNESSES = (1e-5, 0.3)  # over the size of the mesh
 MAX_PIECE_RADIUS = 30.0  # of gyration of a rigid piece, over the size of the mesh
 MIN_SHAPE = 0.05
 """Of a tetrahedron, 3 times the radius of its inscribed over that of its circumscribed sphere."""
@@ -118,6 +119,8 @@ def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
     yield from _of_locking(source)
     for key, section in _sections(body):
         yield from _of_depth(key, section, size)
+    for key, shell in body.shells_by_key.items():
+        yield from _of_thickness(key, shell.total, size)
     for name, piece in body.masses.items():
         yield from _of_piece(f"masses.{name}", piece.mass, np.array(piece.inertia), size)
     step = body.impulse.step
@@ -225,6 +228,15 @@ def _of_depth(key: str, section: Section, size: float) -> Iterator[str]:
                 f"{key}.{name}: sqrt({name} / EA), the radius of gyration, is {radius:.3g} m "
                 f"in a mesh of {size:.3g} m: is {name} in N mm^2?"
             )
+
+
+def _of_thickness(key: str, thickness: float, size: float) -> Iterator[str]:
+    if not SHELL_THICKNESSES[0] <= thickness / size <= SHELL_THICKNESSES[1]:
+        unit = "mm" if thickness > size else "other units"
+        yield (
+            f"{key}: a thickness of {thickness:.3g} m in a mesh of {size:.3g} m is none of a "
+            f"shell: is it in {unit}?"
+        )
 
 
 def _of_piece(key: str, mass: float, inertia: Array, size: float) -> Iterator[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from ..superelement import Recovery
 from ..superelement.recovery import SurfaceRest
 from ..superelement.validation import Array
-from .assembly.source import FieldPoints, Source
+from .assembly.source import FacePoints, FieldPoints, Source
 from .assembly.structure import Structure
 from .body.body import Body
 from .errors import MethodError
@@ -36,7 +36,7 @@ def check_recovery(body: Body, source: Source) -> None:
 def recover(
     body: Body, source: Source, structure: Structure, shapes: Shapes, rest: Array | None = None
 ) -> Recovery:
-    """Modes at the points of lines or on the surface of solids, and stresses there if asked for.
+    """Modes at the points of lines or on the surface of solids and shells, perhaps with stresses.
 
         phi = T shapes,   stress = C strain(T shapes)
 
@@ -45,20 +45,21 @@ def recover(
     of the structure. rest: that of the rows `Patches.fields`.
     """
     points = source.field_points(body.recovery is not None and body.recovery.stress)
-    X = source.nodes.points[points.nodes] - structure.rigid.center
+    X = points.places(source.nodes) - structure.rigid.center
 
-    def fields(rows: Callable[[Any, slice], Any], T: Any, k: int) -> Array:
+    def fields(rows: Callable[[Any, slice, Any], Any], T: Any, k: int) -> Array:
         def batch(part: slice) -> Array:
-            return shapes(rows(T, part)).reshape(part.stop - part.start, k, -1)
+            return shapes(rows(T, part, structure.turns)).reshape(part.stop - part.start, k, -1)
 
         return _filled(points, batch)
 
     phi = fields(points.displacement_rows, structure.T, 3)
     stress = None
-    if points.strains is not None:
+    if body.recovery is not None and body.recovery.stress:
         stress = fields(points.stress_rows, structure.T, 6)
     turns = None
-    if structure.turns is not None:
+    # Points on the faces of shells are where outlines need them; sections of beams turn.
+    if structure.turns is not None and not isinstance(points, FacePoints):
         turns = fields(points.displacement_rows, structure.turns, 3)
     by_forces = None if rest is None else _rest_of_fields(rest, len(X))
     return Recovery(X, points.cells, phi, stress, turns, points.labels, by_forces)

@@ -102,7 +102,7 @@ class Survey:
 
     @property
     def facets(self) -> Facets | None:
-        """The facets of solids, None of lines."""
+        """The facets of solids, the elements of shells, None of lines."""
         return self.source.facets
 
     @property
@@ -218,5 +218,5 @@ def _cost(body: Body, structure: Structure) -> BuildCost | None:
         krylov_cost(wide.n_u, wide.K.nnz, wide.P_C.shape[0], impulse.steps, each)
         for each in (solutions.factor, solutions.iterative)
     )
-    chosen = solutions.cheaper if impulse.solver == "auto" else impulse.solver
+    chosen = solutions.cheaper if body.solver == "auto" else body.solver
     return BuildCost(factor, iterative, chosen)

@@ -72,6 +72,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "formats",
         "reading",
         "quadratic",
+        "divided",
         "writing",
         "in_memory",
     ),

@@ -61,7 +61,7 @@ class ImpulseOptions(TypedDict, total=False):
 
 
 class Part:
-    """An elastic part on a mesh of solids or of lines.
+    """An elastic part on a mesh of solids, of shells or of lines.
 
     Parameters
     ----------
@@ -77,6 +77,9 @@ class Part:
     order : {1, 2}
         2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes
         in the middle of their edges.
+    shell, shells : dict
+        Of a mesh of triangles and quadrangles the thickness [m] and what else `[shell]` of body
+        files has, of the whole mesh or of each group by name. Materials of groups are named there.
 
     Examples
     --------
@@ -103,9 +106,15 @@ class Part:
         name: str = "part",
         scale: float = 1.0,
         order: Literal[1, 2] = 1,
+        shell: Mapping[str, Any] | None = None,
+        shells: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> None:
         self.name = name
         self._table: dict[str, Any] = {"name": name, **_keyed(properties)}
+        if shell is not None:
+            self._table["shell"] = dict(shell)
+        if shells is not None:
+            self._table["shells"] = {group: dict(of) for group, of in shells.items()}
         if order != 1:
             self._table["order"] = order
         if isinstance(mesh, str | os.PathLike) and is_cad(Path(mesh)):

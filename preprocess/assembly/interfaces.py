@@ -19,6 +19,7 @@ from .surface import (
     fit_of_surface,
     mean_motion,
     mean_motion_of_points,
+    mean_motion_of_sections,
 )
 
 MIN_RADIUS_RATIO = 1e-6
@@ -94,6 +95,20 @@ def point_frame(selection: Selection, members: IntArray, nodes: Nodes) -> Attach
     rows = mean_motion_of_points(members, X, nodes)
     fit = fit_of_points(members, nodes)
     return Attachment(X, rows, members, rigid=selection.rigid, fit=fit)
+
+
+def section_frame(
+    selection: Selection, members: IntArray, nodes: Nodes, radius: float
+) -> Attachment:
+    """A frame with six dofs that nodes of shells carry, also those of a straight edge.
+
+    radius: of gyration of the sections there [m].
+    """
+    if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
+        return nodal_frame(int(members[0]), nodes)
+    X = nodes.points[members].mean(axis=0) if selection.at is None else np.array(selection.at)
+    rows = mean_motion_of_sections(members, X, nodes, radius)
+    return Attachment(X, rows, members, rigid=selection.rigid)
 
 
 def facet_frame(

@@ -194,8 +194,7 @@ def second_order(structure: Structure, source: Source, body: Body) -> SecondOrde
     K, M = source.matrices()
     nodes, center = source.nodes, structure.rigid.center
     elements = source.tensors(M, center)
-    # Nodes with rotations are those of beams, of which none follow others.
-    T = sp.eye_array(nodes.n_dofs, format="csr") if nodes.rotations.any() else structure.T
+    T = _source_dofs(structure, nodes)
     frames = {
         name: Frame(structure.rows[name]) if frame.rigid else frame_of(frame, T, nodes)
         for name, frame in structure.frames.items()
@@ -210,6 +209,16 @@ def second_order(structure: Structure, source: Source, body: Body) -> SecondOrde
         tuple(_followers(structure, nodes)),
         tuple(_lumped(structure, body, frames, lambda frame: frame_of(frame, T, nodes))),
     )
+
+
+def _source_dofs(structure: Structure, nodes: Nodes) -> Any:
+    """T (n_source, n_u) sparse: all dofs of the source, whose nodes may follow rigid frames."""
+    if structure.turns is None:
+        # Nodes of solids have displacements alone; where beams and they meet, none follows.
+        return sp.eye_array(nodes.n_dofs) if nodes.rotations.any() else structure.T
+    by_kind = sp.vstack([structure.T, structure.turns], format="csr")
+    first = 3 * np.arange(len(nodes.points))[:, None] + np.arange(3)
+    return by_kind[np.hstack([first, first + 3 * len(nodes.points)]).ravel()]
 
 
 def _followers(structure: Structure, nodes: Nodes) -> Iterator[Follower]:

@@ -1,7 +1,7 @@
 """Sources of a body: a mesh of lines, a mesh of solids, or matrices of another program."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..body.sensors import SensorPoint
 from ..elements.inertia import Moved
 from ..mesh.facets import Facets, Patch
 from ..mesh.mesh import IntArray, Mesh
-from ..mesh.nodes import Nodes
+from ..mesh.nodes import Nodes, spider
 from .interfaces import Attachment
 
 ALL_POINTS = slice(None)
@@ -39,11 +39,18 @@ class FieldPoints:
     owners: IntArray | None = None
     labels: IntArray | None = None
 
-    def displacement_rows(self, T: Any, part: slice = ALL_POINTS) -> Any:
-        """Three dofs (3 k, n_u), sparse, of the nodes of points, which are T (3 n, n_u)."""
+    def places(self, nodes: Nodes) -> Array:
+        """Where the points (p, 3) are [m]."""
+        return nodes.points[self.nodes]
+
+    def displacement_rows(self, T: Any, part: slice = ALL_POINTS, turns: Any = None) -> Any:
+        """Three dofs (3 k, n_u), sparse, of the nodes of points, which are T (3 n, n_u).
+
+        turns (3 n, n_u): the rotations of nodes, of bodies whose nodes all have some.
+        """
         return T[(3 * self.nodes[part, None] + np.arange(3)).ravel()]
 
-    def stress_rows(self, T: Any, part: slice = ALL_POINTS) -> Any:
+    def stress_rows(self, T: Any, part: slice = ALL_POINTS, turns: Any = None) -> Any:
         """C strain (6 k, n_u), sparse, at points from displacements T (3 n, n_u) of the nodes.
 
         Order: `STRESSES`. No rows without strains.
@@ -56,9 +63,44 @@ class FieldPoints:
         return (blocks @ (self.strains[6 * begin : 6 * end] @ T)).tocsr()
 
 
+@dataclass(frozen=True, eq=False)
+class FacePoints(FieldPoints):
+    """Points on the faces of shells, on arms (p, 3) [m] from nodes that turn.
+
+    Stresses at the points are by_displacements u + by_rotations w of the n nodes, each (6 p, 3 n),
+    sparse; None of displacements alone.
+    """
+
+    arms: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    by_displacements: Any | None = None
+    by_rotations: Any | None = None
+
+    def places(self, nodes: Nodes) -> Array:
+        return nodes.points[self.nodes] + self.arms
+
+    def displacement_rows(self, T: Any, part: slice = ALL_POINTS, turns: Any = None) -> Any:
+        """u + w x arm (3 k, n_u), sparse."""
+        rows = (3 * self.nodes[part, None] + np.arange(3)).ravel()
+        n = len(self.nodes[part])
+        # -arm~, one block for each point.
+        crossed = spider(self.arms[part])[:, :, 3:]
+        arms = sp.bsr_array((crossed, np.arange(n), np.arange(n + 1)), shape=(3 * n, 3 * n))
+        return (T[rows] + arms @ turns[rows]).tocsr()
+
+    def stress_rows(self, T: Any, part: slice = ALL_POINTS, turns: Any = None) -> Any:
+        """Stresses (6 k, n_u), sparse; no rows without stresses."""
+        if self.by_displacements is None or self.by_rotations is None:
+            return T[:0]
+        begin, end, _ = part.indices(len(self.nodes))
+        rows = slice(6 * begin, 6 * end)
+        return (self.by_displacements[rows] @ T + self.by_rotations[rows] @ turns).tocsr()
+
+
 @dataclass(frozen=True)
 class Share:
-    """The elements of one material or section: number, total volume [m^3] or length [m], mass [kg].
+    """The elements of one material, section or laminate: number, extent, and mass [kg].
+
+    extent: volume [m^3], area [m^2] of shells, or length [m] of lines.
 
     group: that of the mesh; empty for the one of a whole body.
     """
@@ -175,14 +217,20 @@ class Source(Protocol):
 
 
 class MeshSource(Source, Protocol):
-    """A source with elements, which can be surveyed and drawn."""
+    """A source with elements, which can be surveyed and drawn.
+
+    extent_unit: that of `Share.extent`; wave: the kind of the shortest wave.
+    """
+
+    extent_unit: ClassVar[str]
+    wave: ClassVar[str]
 
     @property
     def mesh(self) -> Mesh: ...
 
     @property
     def facets(self) -> Facets | None:
-        """The facets of solids, None of lines."""
+        """The facets of solids, the elements of shells, None of lines."""
         ...
 
     def shares(self) -> tuple[Share, ...]:

@@ -194,8 +194,8 @@ def assemble_on(body: Body, source: Source) -> Structure:
         K, M = source.matrices()
     attached = attach(body, source)
     nodes, T = attached.nodes, attached.T
-    if nodes.n_dofs < source.nodes.n_dofs:
-        n_tied = RIGID_DOFS * sum(frame.rigid for frame in attached.frames.values())
+    # A frame on one node with six dofs leaves as many as there were, in another order.
+    if n_tied := RIGID_DOFS * sum(frame.rigid for frame in attached.frames.values()):
         K = reduced(K, T, n_tied)
         M = reduced(M, T, n_tied)
     if attached.lumped.nnz:

@@ -116,6 +116,24 @@ def mean_motion_of_points(members: IntArray, X: Array, nodes: Nodes) -> Any:
     return _fitted(spider(nodes.points[members] - middle), members, middle, X, nodes)
 
 
+def mean_motion_of_sections(members: IntArray, X: Array, nodes: Nodes, radius: float) -> Any:
+    """D (6, n_dofs) sparse: the rigid motion about X nearest to that of nodes with six dofs.
+
+        sum |u_i - q - w x (X_i - X)|^2 + radius^2 |w_i - w|^2 least
+
+    With the radius of gyration of sections across the edge of a shell, whose nodes may be on a
+    line, as `mean_motion` of the faces that a solid has there.
+    """
+    arms = spider(nodes.points[members] - X)
+    turns = np.broadcast_to(np.eye(6)[3:], arms.shape)
+    A = np.concatenate([arms, turns], axis=1)
+    weighted = A * np.array([1.0] * 3 + [radius**2] * 3)[:, None]
+    G = np.einsum("nij,nik->jk", weighted, A)
+    D = np.linalg.solve(G, weighted.transpose(2, 0, 1).reshape(6, -1))
+    columns = nodes.first[members][:, None] + np.arange(6)
+    return in_columns(D, columns.ravel(), nodes.n_dofs)
+
+
 def _fitted(blocks: Array, members: IntArray, middle: Array, X: Array, nodes: Nodes) -> Any:
     """D = (sum B_i^T A_i)^-1 [B_i^T] for weighted arms B_i (n, 3, 6) of nodes `members`; D A = I.
 

@@ -27,13 +27,14 @@ from ...superelement import sha256
 from ..mesh.mesh import Mesh
 from .cad import FaceSize, check_cad
 from .damping import Damping, check_fit
-from .impulse import Impulse, Method
+from .impulse import Impulse, Method, SolverName
 from .loads import LoadPattern
 from .material import Material, Section
 from .measured import Measured
 from .named_body import NamedBody
 from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
+from .shell import Shell
 from .values import FilePath, InertiaTensor
 
 
@@ -157,11 +158,12 @@ class Body(NamedBody):
     solids; impulse responses.
 
     One of section and sections (by mesh group) for meshes of lines; one of material and materials
-    for solids; with matrices none, or the material of elements beside them. scale: the unit of the
-    mesh's coordinates in meters, 1e-3 for millimeters. All else is in SI units. order: 2 makes
-    linear tetrahedra and wedges, which are too stiff in bending, tetrahedra with nodes in the
-    middle of their edges. size [m]: of the elements that a CAD file is meshed with; sizes: smaller
-    ones on holes and faces; solid: the name of one of its solids.
+    for solids; with matrices none, or the material of elements beside them. For shells one of shell
+    and shells (by mesh group), which take their materials from material, or by name from materials.
+    scale: the unit of the mesh's coordinates in meters, 1e-3 for millimeters. All else is in SI
+    units. order: 2 makes linear tetrahedra and wedges, which are too stiff in bending, tetrahedra
+    with nodes in the middle of their edges. size [m]: of the elements that a CAD file is meshed
+    with; sizes: smaller ones on holes and faces; solid: the name of one of its solids.
 
     Raises
     ------
@@ -198,6 +200,8 @@ class Body(NamedBody):
     sections: dict[str, Section] = Field(default_factory=dict)
     material: Material | None = None
     materials: dict[str, Material] = Field(default_factory=dict)
+    shell: Shell | None = None
+    shells: dict[str, Shell] = Field(default_factory=dict)
     interfaces: dict[str, InterfaceSelection] = Field(default_factory=dict)
     surfaces: dict[str, SurfaceSelection] = Field(default_factory=dict)
     masses: dict[str, PointMass] = Field(default_factory=dict)
@@ -217,7 +221,7 @@ class Body(NamedBody):
             raise ValueError("expected mesh or [matrices], found neither")
         if self.matrices is not None:
             # A material is that of elements beside the matrices, for stresses and stiffening.
-            without = {"mesh", "scale", "order", *makes} - {"material"}
+            without = {"mesh", "scale", "order", "shell", "shells", *makes} - {"material"}
             others = self.model_fields_set & without
             if others:
                 raise ValueError(
@@ -228,6 +232,56 @@ class Body(NamedBody):
             raise ValueError(
                 f"expected one of {', '.join(makes)}, found {' and '.join(keys) or 'none'}"
             )
+
+    @property
+    def shells_by_key(self) -> dict[str, Shell]:
+        """Shells by their keys in the file."""
+        whole = self.given("shell")
+        return whole | {f"shells.{name}": part for name, part in self.shells.items()}
+
+    @rule
+    def _shells_of_materials(self) -> None:
+        shells = self.shells_by_key
+        if not shells:
+            return
+        if self.shell is not None and self.shells:
+            raise ValueError("expected one of shell and shells, found both")
+        if self.section is not None or self.sections:
+            raise ValueError(
+                f"{next(iter(shells))}: expected material or materials, found a section of lines"
+            )
+        if self.order != 1:
+            raise ValueError("order: expected 1 of shells, found 2, which is for solids")
+        if self.impulse.solver == "iterative":
+            raise ValueError(
+                "impulse.solver: expected auto or factor of shells, found iterative, which does "
+                "not converge on them"
+            )
+        used = set()
+        for key, shell in shells.items():
+            for ply in shell.layers:
+                used.add(ply.material)
+                self._check_material(key, ply.material)
+        if unused := [name for name in self.materials if name not in used]:
+            raise ValueError(f"materials.{unused[0]}: expected a shell of it, found none")
+
+    def _check_material(self, key: str, name: str | None) -> None:
+        """ValueError unless the material of a shell is there."""
+        if name is None and self.material is None:
+            raise ValueError(
+                f"{key}: expected material, one of {', '.join(self.materials)}, found none"
+            )
+        if name is not None and name not in self.materials:
+            known = ", ".join(self.materials) or "none, but [material] for all shells"
+            raise ValueError(f"{key}: no material {quoted(name)}; there are: {known}")
+        found = self.material if name is None else self.materials[name]
+        if found is not None and found.axes is not None:
+            raise ValueError(
+                f"{key}: axes of a material are those of solids: give the shell an orientation"
+            )
+        shell = self.shells_by_key[key]
+        if found is not None and not found.isotropic and shell.orientation is None:
+            raise ValueError(f"{key}.orientation: missing, for its material is orthotropic")
 
     @rule
     def _of_cad(self) -> None:
@@ -272,7 +326,7 @@ class Body(NamedBody):
             raise ValueError("expected [interfaces.NAME] or [surfaces.NAME], found neither")
         if not self.surfaces:
             return
-        for key in ("matrices", "section", "sections"):
+        for key in ("matrices", "section", "sections", "shell", "shells"):
             if getattr(self, key):
                 raise ValueError(f"surfaces: expected a mesh of solids, found {key}")
         for name in self.surfaces:
@@ -305,6 +359,8 @@ class Body(NamedBody):
             )
         if self.rotation.level == 2 and (self.section or self.sections):
             raise ValueError("rotation.level: expected 1 of lines, found 2, which is for solids")
+        if self.rotation.level == 2 and self.shells_by_key:
+            raise ValueError("rotation.level: expected 1 of shells, found 2, which is for solids")
         if self.rotation.level == 2 and self.matrices is not None:
             raise ValueError(
                 "rotation.level: expected 1 of [matrices], found 2, which needs the elements of a "
@@ -378,6 +434,12 @@ class Body(NamedBody):
         for key in ("sections", "materials"):
             parts.update({f"{key}.{name}": part for name, part in getattr(self, key).items()})
         return parts
+
+    @property
+    def solver(self) -> SolverName:
+        """What solves with its matrices; of shells always a factor in double precision."""
+        # Bending and stretch of thin shells lie too far apart for gradients, and for single digits.
+        return "factor" if self.shells_by_key else self.impulse.solver
 
     @property
     def loss_factors(self) -> dict[str, float]:

@@ -234,6 +234,25 @@ class Material(Table):
         return np.asarray(np.einsum("ia,jb,kc,ld,ijkl->abcd", R, R, R, R, C, optimize=True))
 
     @property
+    def plane_stress(self) -> Array:
+        """(3, 3) [Pa]: stresses 11, 22, 12 in the axes of the material from strains 11, 22, 2 12.
+
+        Where there is no stress along direction 3, as in shells.
+        """
+        in_plane = np.ix_((0, 1, 5), (0, 1, 5))
+        return np.asarray(np.linalg.inv(self._compliance[in_plane]))
+
+    @property
+    def transverse_shear(self) -> Array:
+        """(2, 2) [Pa]: shear stresses 13, 23 from shear strains, in the axes of the material."""
+        return np.diag(1.0 / np.diag(self._compliance)[[4, 3]])
+
+    @property
+    def isotropic(self) -> bool:
+        """Whether it has one E, one nu and no G."""
+        return self.G is None
+
+    @property
     def nearly_incompressible(self) -> bool:
         """The bulk modulus is far above the shear moduli: nu > 0.45 of an isotropic material."""
         return self._relative_bulk_modulus > NEARLY_INCOMPRESSIBLE

@@ -128,5 +128,8 @@ SOLID_TYPES = {
     ),
 }
 
+SHELL_CELLS = ("triangle", "quad")
+"""Facets that are shells where the mesh has no solids; those of second order are divided."""
+
 CELL_DIMENSIONS = {"vertex": 0, "line": 1, "line3": 1, **dict.fromkeys(FACET_TYPES, 2)}
 """Cells that may bound or mark a body without being one, and their dimension."""

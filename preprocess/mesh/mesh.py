@@ -42,9 +42,9 @@ class Mesh:
     labels (n,): the numbers that the file gives to points, None if none; geometry: what it was
     made of, of a CAD file.
 
-    `body_types` are the types of the cells that make the body: lines alone, or solid cells of one
-    or more types. Elements are counted through these types in their order: number n is a row of the
-    first type with rows to spare.
+    `body_types` are the types of the cells that make the body: lines alone, or shells or solid
+    cells of one or more types. Elements are counted through these types in their order: number n is
+    a row of the first type with rows to spare.
     """
 
     name: str

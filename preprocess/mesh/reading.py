@@ -12,7 +12,7 @@ import numpy as np
 from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning, about
-from .cells import CELL_DIMENSIONS, LINE_CELLS, SOLID_TYPES
+from .cells import CELL_DIMENSIONS, FACET_TYPES, LINE_CELLS, SHELL_CELLS, SOLID_TYPES
 from .formats import abaqus, ansys, gmsh, med, nastran, through_meshio, xdmf
 from .formats.abaqus_deck import abaqus_include
 from .formats.draft import Draft
@@ -71,8 +71,8 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
     """Read a mesh and its groups; coordinates are multiplied by `scale`, the unit of the file [m].
 
     The file of each format in `formats` says how it names groups. `MeshError` if the file
-    cannot be read, or holds cells that are neither lines nor solids. `MeshWarning` if it holds more
-    than is read of it: nodes that belong to no element are left out.
+    cannot be read, or holds cells that are neither lines, shells nor solids. `MeshWarning` if it
+    holds more than is read of it: nodes that belong to no element are left out.
     """
     path = Path(path)
     return finished(path, read_draft(path), scale)
@@ -151,7 +151,7 @@ def _described(loose: Array) -> str:
 
 
 def _body_types(name: str, kinds: Iterable[str], lost: Sequence[str]) -> tuple[str, ...]:
-    """The types of the cells that make the body: the solid ones, else lines.
+    """The types of the cells that make the body: the solid ones, else shells, else lines.
 
     lost: what else the file has, for messages.
     """
@@ -164,16 +164,16 @@ def _body_types(name: str, kinds: Iterable[str], lost: Sequence[str]) -> tuple[s
     solids = tuple(kind for kind in kinds if kind in SOLID_TYPES)
     if solids:
         return solids
+    if flat := tuple(kind for kind in kinds if kind in FACET_TYPES):
+        return flat
     if "line" in kinds and all(kind in ("vertex", "line") for kind in kinds):
         return LINE_CELLS
-    flat = [kind for kind in kinds if CELL_DIMENSIONS.get(kind) == 2]
-    shells = ": mesh the volume of a thin part, for shells are not supported" if flat else ""
     besides = f"; left out: {'; '.join(dict.fromkeys(lost))}" if lost else ""
     raise MeshError(
         f"{name}: no body in cells of type {', '.join(kinds) or 'none'}; "
-        f"bodies are made of {_supported()}{shells}{besides}"
+        f"bodies are made of {_supported()}{besides}"
     )
 
 
 def _supported() -> str:
-    return ", ".join((*LINE_CELLS, *SOLID_TYPES))
+    return ", ".join((*LINE_CELLS, *SHELL_CELLS, *SOLID_TYPES))

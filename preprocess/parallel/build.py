@@ -100,7 +100,9 @@ def _read(body: Body, warn: Warn) -> SolidSource:
         raise MethodError("[matrices] take one process: expected a mesh of solids, or no MPI")
     source = checked_source(body, warn)
     if not isinstance(source, SolidSource):
-        raise MethodError(f"{source.name}, a mesh of lines, takes one process: run it without MPI")
+        raise MethodError(
+            f"{source.name}, no mesh of solids, takes one process: run it without MPI"
+        )
     if body.impulse.method == "auto" and source.nodes.n_dofs <= FULL_MODAL_UNKNOWNS:
         raise MethodError(
             f"{source.name}: all modes of {source.nodes.n_dofs} unknowns are found at once by one "

@@ -1,4 +1,4 @@
-"""Sections and materials of the elements of a mesh."""
+"""Sections, materials and laminates of the elements of a mesh."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,10 +9,11 @@ import numpy as np
 from ...superelement.validation import Array
 from ..assembly.source import Share
 from ..body.material import Material, Section
+from ..elements.laminate import Laminate
 from ..errors import BodyError
 from ..mesh.mesh import IntArray, Mesh
 
-Property = TypeVar("Property", Section, Material)
+Property = TypeVar("Property", Section, Material, Laminate)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 import scipy.sparse as sp
@@ -35,6 +35,9 @@ NODES_PER_WAVE = 4  # nodes in a wavelength: waves run too fast by sqrt(10) / pi
 @dataclass(frozen=True, eq=False)
 class LineSource:
     """A mesh of lines with sections; every node has six dofs."""
+
+    extent_unit: ClassVar[str] = "m"
+    wave: ClassVar[str] = "bending"
 
     mesh: Mesh
     body: Body

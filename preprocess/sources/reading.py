@@ -10,7 +10,8 @@ from ..body.measured_body import MeasuredBody
 from ..body.reading import AnyBody
 from ..errors import BodyError
 from ..given.matrices import GivenModel, read_matrices
-from ..mesh.cells import LINE_CELLS
+from ..mesh.cells import FACET_TYPES, LINE_CELLS
+from ..mesh.divided import divided
 from ..mesh.mesh import Mesh
 from ..mesh.quadratic import quadratic
 from ..mesh.reading import files_of as mesh_files
@@ -93,7 +94,19 @@ def read_mesh_source(body: Body) -> MeshSource:
     if body.order == 2:
         mesh = quadratic(mesh)
     if mesh.body_types == LINE_CELLS:
+        if body.shell is not None or body.shells:
+            raise BodyError(f"{mesh.name}: [shell] is for triangles and quadrangles, found lines")
         return LineSource(mesh, body)
+    if set(mesh.body_types) <= set(FACET_TYPES):
+        from .shells import ShellSource
+
+        return ShellSource(divided(mesh), body)
+    if body.shell is not None or body.shells:
+        raise BodyError(
+            f"{mesh.name}: [shell] is for a mesh of triangles and quadrangles alone, found "
+            f"{', '.join(mesh.body_types)}: shells beside solids are not supported: make two "
+            "bodies, and fix a rigid interface of one to one of the other"
+        )
     # scikit-fem takes its time to import, and lines do without.
     from .solids import SolidSource
 

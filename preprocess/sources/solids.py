@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -53,6 +53,9 @@ STIFF_IN_VOLUME = ("tetra", "wedge")
 @dataclass(frozen=True, eq=False)
 class SolidSource:
     """A mesh of solids with materials; every node has three dofs."""
+
+    extent_unit: ClassVar[str] = "m^3"
+    wave: ClassVar[str] = "shear"
 
     mesh: Mesh
     body: Body

@@ -7,8 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ....superelement.validation import Array
-from ..cells import SOLID_TYPES
+from ..cells import FACET_TYPES, SOLID_TYPES
 from ..mesh import NO_NODES, Group, IntArray
+
+BEAM_PREFIXES = ("B", "CBAR", "CBEAM", "CROD", "CTUBE")
+"""What the names of beams begin with, of Abaqus and of Nastran."""
 
 
 class Draft:
@@ -79,14 +82,16 @@ def not_in_the_body(
     """What a deck computes with and a body does not, in words.
 
     kinds: the types of all cells; structural: the numbers of shells, beams and the like by the
-    names of their types in the deck, whose faces and lines serve as groups beside solids.
+    names of their types in the deck, whose faces and lines serve as groups beside solids, and lines
+    beside shells.
     """
-    if structural and not set(SOLID_TYPES).isdisjoint(kinds):
-        counts = ", ".join(f"{count} {name}" for name, count in structural.items())
-        yield (
-            f"stiffness and mass of {counts}: beside solid elements, shells and beams serve as "
-            "groups alone"
-        )
+    kinds = set(kinds)
+    solids = not kinds.isdisjoint(SOLID_TYPES)
+    beams = {name: count for name, count in structural.items() if name.startswith(BEAM_PREFIXES)}
+    if left := structural if solids else beams if not kinds.isdisjoint(FACET_TYPES) else {}:
+        counts = ", ".join(f"{count} {name}" for name, count in left.items())
+        beside = "solid elements, shells and beams" if solids else "shells, beams"
+        yield f"stiffness and mass of {counts}: beside {beside} serve as groups alone"
     if materials:
         listed = ", ".join(dict.fromkeys(materials))
         yield f"materials {listed}: those of the body file are used"

@@ -242,7 +242,11 @@ def test_shells_and_materials_beside_solids_are_named(written):
     )
 
 
-def test_where_shells_are_all_there_is_the_error_says_so(written):
+def test_where_shells_are_all_there_is_they_are_the_body(written):
+    """Beams beside them are named: they are lines of groups alone."""
     nodes = CUBE.partition("*Element")[0]
-    with pytest.raises(MeshError, match=r"no body in cells of type quad; .*shells are not support"):
-        read_mesh(written(nodes + "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n"))
+    shells = "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n2, 5, 6, 7, 8\n"
+    assert read_mesh(written(nodes + shells)).body_types == ("quad",)
+    beams = "*ELEMENT, TYPE=B31\n3, 1, 5\n"
+    with pytest.warns(MeshWarning, match="stiffness and mass of 1 B31: beside shells, beams serve"):
+        read_mesh(written(nodes + shells + beams))
