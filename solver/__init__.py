@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ..results.results import Results
     from .checkpoint.saved_state import Moment as Moment
     from .checkpoint.saved_state import SavedState
+    from .couplings.bearings import Bearing
     from .couplings.contacts import Contact, Hertz
     from .couplings.couplers import Coupler
     from .couplings.friction import Coulomb, JointFriction, Stribeck
@@ -98,6 +99,7 @@ if TYPE_CHECKING:
     from .simulator import Simulator
 
 __all__ = [
+    "Bearing",
     "FMU",
     "JOINTS",
     "LOADS",
@@ -220,6 +222,7 @@ if not TYPE_CHECKING:
         {
             "..results.results": "Results",
             ".checkpoint.saved_state": "Moment SavedState",
+            ".couplings.bearings": "Bearing",
             ".couplings.contacts": "Contact Hertz",
             ".couplings.couplers": "Coupler",
             ".couplings.friction": "Coulomb JointFriction Stribeck",

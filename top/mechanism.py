@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MODEL_GROUPS = (
     *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
-    "fmus",
+    *("bearings", "fmus"),
 )
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody: TypeAlias = solver.RigidBody | solver.RigidSuperelement
@@ -35,6 +35,7 @@ AnyPart = TypeVar(
     bound=(
         solver.Joint
         | solver.Spring
+        | solver.Bearing
         | solver.PrescribedDisplacement
         | solver.PrescribedRotation
         | solver.PrescribedOrientation
@@ -263,7 +264,7 @@ class Mechanism:
         ----------
         what
             A `Superelement` or the path of its file, a `RigidBody`; or a joint, spring, load,
-            contact, stop, motor, coupler, motion or FMU, which take no other argument than `name`.
+            contact, stop, motor, coupler, motion, bearing or FMU, which take no other argument than `name`.
         name : str
             By which results know it. Without one bodies have that of their part, and the rest is
             numbered, as "revolute 2".
@@ -626,5 +627,5 @@ def _body(
         )
     raise solver.ModelError(
         "expected a Superelement, a RigidBody, or a joint, load, spring, contact, stop, motor, "
-        f"coupler, motion or FMU, found {quoted(what)}"
+        f"coupler, motion, bearing or FMU, found {quoted(what)}"
     )
