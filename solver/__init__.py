@@ -57,7 +57,10 @@ if TYPE_CHECKING:
     from .linear.frf import FrequencyResponse
     from .linear.linearize import LinearModel, linearize
     from .linear.modes import LinearModes
+    from .linear.rotors import RotorModel, rotor_at
+    from .linear.stability import StabilityMap, stability_map
     from .linear.state_space import StateSpace
+    from .linear.unbalance import UnbalanceResponse, unbalance_response
     from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
     from .model.body_shapes import Box, Cylinder, Sphere, Surface
     from .model.file import model_schema, read_model, write_model
@@ -99,10 +102,10 @@ if TYPE_CHECKING:
     from .simulator import Simulator
 
 __all__ = [
-    "Bearing",
     "FMU",
     "JOINTS",
     "LOADS",
+    "Bearing",
     "BoucWenLaw",
     "Box",
     "Campbell",
@@ -171,6 +174,7 @@ __all__ = [
     "RigidBody",
     "RigidSuperelement",
     "Rod",
+    "RotorModel",
     "SavedState",
     "Sawtooth",
     "Screw",
@@ -183,6 +187,7 @@ __all__ = [
     "Spherical",
     "Spline",
     "Spring",
+    "StabilityMap",
     "Start",
     "StartFrom",
     "StateError",
@@ -199,6 +204,7 @@ __all__ = [
     "TabulatedLaw",
     "Torque",
     "Trapezoid",
+    "UnbalanceResponse",
     "Universal",
     "UserLaw",
     "ValidityWarning",
@@ -211,8 +217,11 @@ __all__ = [
     "model_schema",
     "plausibility_warnings",
     "read_model",
+    "rotor_at",
     "simulate",
+    "stability_map",
     "start",
+    "unbalance_response",
     "write_model",
 ]
 
@@ -254,7 +263,10 @@ if not TYPE_CHECKING:
             ".linear.frf": "FrequencyResponse",
             ".linear.linearize": "LinearModel linearize",
             ".linear.modes": "LinearModes",
+            ".linear.rotors": "RotorModel rotor_at",
+            ".linear.stability": "StabilityMap stability_map",
             ".linear.state_space": "StateSpace",
+            ".linear.unbalance": "UnbalanceResponse unbalance_response",
             ".model.bodies": "FlexibleBody Frame Place RigidBody RigidSuperelement Start",
             ".model.body_shapes": "Box Cylinder Sphere Surface",
             ".model.file": "model_schema read_model write_model",

@@ -6,7 +6,7 @@ which one a mode has: with the spin (forward) or against it (backward). Modes th
 where it is keep the frequency that the mechanism sees.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from .linearize import LinearModel, linearize
 from .modes import Complex, LinearModes
 from .motion import Motion
 from .pose import Pose
+from .rotors import rotor_at
 from .validity import LinearValidity
 
 # of the largest spin: pairs of modes at rest, which coincide, are told apart there
@@ -39,6 +40,8 @@ COINCIDENT_MODES = 1e-4
 MAX_MODE_CONDITION = 1e6
 # more than asked for, so that modes that cross are followed
 MIN_MODES_SOUGHT = 12
+# relative: a motion in a plane, which whirls neither way, counts as forward at every spin
+EVEN_CIRCLES = 1e-6
 FORWARD, BACKWARD, NONE = "forward", "backward", "none"
 
 
@@ -137,8 +140,8 @@ def campbell(
     Raises
     ------
     ModelError
-        For a model without `steady_rotation`, whose axis and center count, and for what `linearize`
-        refuses.
+        For a model without bearings or a `steady_rotation`, whose axis and center count, and for
+        what `linearize` or, with bearings, `rotor_at` refuses.
 
     Examples
     --------
@@ -156,31 +159,39 @@ def campbell(
     >>> [(line.whirl, line.frequencies.round(2).tolist()) for line in diagram.lines]
     [('backward', [34.03, 32.91]), ('forward', [34.03, 35.18])]
     """
-    rotation = model.settings.steady_rotation
-    if rotation is None or not np.any(rotation.angular_velocity):
-        with about(model.path):
-            raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
+    linear_at = _linear_at(model)
     speeds = np.asarray(spins, dtype=np.float64)
     if not len(speeds) or (speeds < 0.0).any() or (np.diff(speeds) <= 0.0).any():
         raise ModelError("spins: expected numbers >= 0 that increase")
-    axis = rotation.angular_velocity / np.linalg.norm(rotation.angular_velocity)
     found = []
     with Progress(Work("Campbell diagram", len(speeds), "speeds"), shown=progress) as work:
         # At exactly zero, forward and backward modes coincide and would be mixed at random.
         for speed in np.maximum(speeds, NEGLIGIBLE_SPIN * speeds[-1]).tolist():
-            linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
+            linear = linear_at(speed)
             found.append(_slowest_in_space(linear, modes))
             work.advance()
         slow = LEAST_WHIRLING_SPIN * float(speeds[-1])
         if speeds[0] < slow:
-            turning = linearize(model, SteadyRotation(slow * axis, rotation.center))
-            whirling, _ = _slowest_in_space(turning, 2 * modes)
+            whirling, _ = _slowest_in_space(linear_at(slow), 2 * modes)
             still, grows_at_rest = found[0]
             found[0] = _whirling_alike(still, whirling, slow), grows_at_rest
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
     highest = [frequency for point in points for _, frequency, _ in point]
     return Campbell(speeds, tuple(_lines(points, modes)), grows, linear.validity(None, highest))
+
+
+def _linear_at(model: Model) -> Callable[[float], LinearModel]:
+    """What linearizes a model at a spin: in axes fixed in space where it has bearings."""
+    if model.bearings:
+        return lambda spin: rotor_at(model, spin)
+    rotation = model.settings.steady_rotation
+    if rotation is None or not np.any(rotation.angular_velocity):
+        with about(model.path):
+            raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
+    axis, center = rotation.angular_velocity, rotation.center
+    axis = axis / np.linalg.norm(axis)
+    return lambda spin: linearize(model, SteadyRotation(spin * axis, center))
 
 
 Point = tuple[str, float, float]
@@ -200,7 +211,8 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
         if len(modes) < asked:
             break
         # Modes that have not been found are faster than this in space, too.
-        reach = (float(np.abs(modes.values[-1])) - linear.spin) / (2.0 * np.pi)
+        carried = 0.0 if linear.in_space else linear.spin
+        reach = (float(np.abs(modes.values[-1])) - carried) / (2.0 * np.pi)
         if len(points) == n and points[-1][1] <= reach:
             break
         asked *= 2
@@ -234,8 +246,10 @@ def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
     for members in _alike(modes):
         for whirl, value in _whirls(linear, modes, members):
             omega = abs(value.imag)
-            seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
-            if whirl != NONE:
+            seen = omega
+            if not linear.in_space:
+                seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
+            if whirl != NONE and not linear.in_space:
                 # A backward mode that is slower than the spin is carried forward by it.
                 whirl = FORWARD if seen > 0.0 else BACKWARD
             if omega > 0.0:
@@ -281,7 +295,7 @@ def _whirls(
         if p + m <= MIN_AXIS_SHARE * float((x.conj() @ whole @ x).real):
             yield NONE, value
         else:
-            yield FORWARD if p >= m else BACKWARD, value
+            yield FORWARD if p >= (1.0 - EVEN_CIRCLES) * m else BACKWARD, value
 
 
 def _square(matrix: Complex) -> Complex:
@@ -296,7 +310,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     all points, whose turning about the axis and motion along it counts: torsion does not whirl.
     """
     size, axis = pose.system.bodies.size, pose.angular_velocity / pose.speed
-    first, second = _across(axis)
+    first, second = across(axis)
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
     near = off <= ON_AXIS * size
@@ -307,7 +321,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     return y + 1j * z, y - 1j * z, _square(everything.reshape(-1, everything.shape[2]))
 
 
-def _across(axis: Array) -> tuple[Array, Array]:
+def across(axis: Array) -> tuple[Array, Array]:
     """Two axes across, in the sense of a rotation about it."""
     # The coordinate axis that is farthest from parallel to it.
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])

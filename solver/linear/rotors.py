@@ -11,7 +11,6 @@ flexible body it follows from those of its interfaces on the axis, in pairs of o
 T(psi) A(psi) T(-psi) = A(0) is checked at another angle. Source: docs/theory.md, Rotors.
 """
 
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
@@ -20,10 +19,13 @@ import numpy as np
 
 from ...files.blas import one_blas_thread
 from ..arrays import Array
+from ..couplings.bearings import Bearing
 from ..couplings.coupling import GROUND
+from ..couplings.joint import basis_about
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
+from ..step.rotations import rotation_matrix
 from .blocks import diagonal_blocks
 from .equations import Equations, equations_of
 from .flexibility import ModalBody
@@ -39,6 +41,8 @@ PAIR_TOLERANCE = 1e-5
 ON_AXIS = 1e-6
 # of the largest shape of a mode on the axis, below which a mode leaves the axis where it is
 MIN_SHAPE = 1e-6
+# of the cosine of the angle between the axes of a bearing and of the rotor
+ALIGNED = 1e-9
 # relative, of responses before and after a turn
 NEGLIGIBLE_DIFFERENCE = 1e-5
 UNEVEN = (
@@ -201,41 +205,97 @@ class RotorModel(LinearModel):
 
 
 def rotor_at(model: Model, spin: float) -> RotorModel:
-    """The linear equations of a rotor at a spin [rad/s] > 0, in axes fixed in space.
+    """The linear equations of a rotor at a spin, in axes fixed in space.
 
-    Without gravity across the axis: coefficients of bearings are those of the loaded bearing. All
-    bodies turn with the rotor.
+    Gravity across the axis does not count: coefficients of bearings are those of the loaded
+    bearing. All bodies turn with the rotor.
+
+    Parameters
+    ----------
+    model : Model
+    spin : float [rad/s]
+        Above zero, about the axis of the steady rotation, or that of the first bearing.
+
+    Returns
+    -------
+    RotorModel
 
     Raises
     ------
     ModelError
         For a rotor that is not alike all round its axis, a spin beyond the table of a bearing, and
         what `linearize` refuses.
+
+    Examples
+    --------
+    A disk of 10 kg between bearings that are twice as stiff one way as the other:
+
+    >>> from duhamel.solver import Bearing, Frame, Model, RigidBody
+    >>> disk = RigidBody(10.0, [0.1, 0.1, 0.2])
+    >>> film = Bearing("film", ["ground.hub", "disk"], [0.0, 0.0, 1.0], [1e5, 2e5])
+    >>> model = Model({"disk": disk}, bearings=[film], ground_frames={"hub": Frame()})
+    >>> modes = rotor_at(model, 300.0).modes()
+    >>> modes.frequencies[modes.rigid:modes.rigid + 2].round(3).tolist()
+    [15.915, 22.508]
     """
     with about(model.path):
-        axis, center = axis_of(model)
+        if not 0.0 < spin < np.inf:
+            raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
+        axes = rotor_axes(model)
         for bearing in model.bearings:
-            bearing.coefficients(spin * float(np.sign(bearing.axis @ axis)))
-        model = replace(model.without_surfaces(), gravity=(model.gravity @ axis) * axis)
-        linear = RotorModel(model, SteadyRotation(spin * axis, center))
+            along = float(bearing.axis @ axes.axis)
+            if abs(abs(along) - 1.0) > ALIGNED:
+                raise bearing.error(
+                    f"axis: expected that of the rotor, {axes.axis.tolist()}, "
+                    f"got {bearing.axis.tolist()}"
+                )
+            bearing.coefficients(spin * float(np.sign(along)))
+        gravity = (model.gravity @ axes.axis) * axes.axis
+        model = replace(model.without_surfaces(), gravity=gravity)
+        linear = RotorModel(model, SteadyRotation(spin * axes.axis, axes.center))
         _ = linear.first_order
     return linear
 
 
-def axis_of(model: Model) -> tuple[Array, Array]:
-    """The axis (3,) about which a rotor turns, and a point (3,) [m] on it.
+@dataclass(frozen=True, eq=False)
+class RotorAxes:
+    """The axis (3,) of a rotor, a point (3,) [m] on it, and e_1, e_2 across it, fixed in space."""
 
-    Those of the steady rotation of the settings, or of the first bearing.
+    axis: Array
+    center: Array
+    first: Array
+
+    @property
+    def across(self) -> Array:
+        """e_1 and e_2 (2, 3), which with the axis are right-handed."""
+        return np.array([self.first, np.cross(self.axis, self.first)])
+
+
+def rotor_axes(model: Model) -> RotorAxes:
+    """Those of the steady rotation of the settings, or of the first bearing; e_1 is the bearing's.
+
+    ModelError for a model that has neither.
     """
+    found = next((axes for bearing in model.bearings if (axes := _own_axes(model, bearing))), None)
     rotation = model.settings.steady_rotation
     if rotation is not None and np.any(rotation.angular_velocity):
         velocity = np.array(rotation.angular_velocity)
-        return velocity / np.linalg.norm(velocity), np.array(rotation.center)
-    for bearing in model.bearings:
-        body, _, frame = bearing.between[0].partition(".")
-        if body == GROUND and frame:
-            return np.array(bearing.axis), np.array(model.ground_frames[frame].position)
-    raise ModelError(
-        "simulation: expected the axis and the center of a steady_rotation, or a bearing to a "
-        "frame of the ground"
-    )
+        axis = velocity / np.linalg.norm(velocity)
+        first = basis_about(axis, np.eye(3))[:, 0] if found is None else found.first
+        return RotorAxes(axis, np.array(rotation.center), first)
+    if found is None:
+        raise ModelError(
+            "simulation: expected the axis and the center of a steady_rotation, or a bearing to a "
+            "frame of the ground"
+        )
+    return found
+
+
+def _own_axes(model: Model, bearing: Bearing) -> RotorAxes | None:
+    """Those of a bearing to a frame of the ground, whose place is known."""
+    body, _, name = bearing.between[0].partition(".")
+    if body != GROUND or not name:
+        return None
+    frame = model.ground_frames[name]
+    first = bearing.basis(rotation_matrix(frame.rotation))[:, 0]
+    return RotorAxes(np.array(bearing.axis), np.array(frame.position), first)

@@ -1,0 +1,109 @@
+"""Speeds at which rotors on bearings become unstable."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...files.progress import Progress, Work
+from ..arrays import Array
+from ..errors import ModelError
+from ..model.model import Model
+from .modes import MIN_GROWTH
+from .rotors import rotor_at
+
+# rad/s, relative to the speeds of an interval in which stability changes
+THRESHOLD_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class StabilityMap:
+    """How fast the least damped mode of a rotor grows, over the spin. See `stability_map`.
+
+    Parameters
+    ----------
+    spins : (n,) [rad/s]
+    growth : (n,) [1/s]
+        The largest real part of the eigenvalues of modes; negative: all decay.
+    frequencies : (n,) [Hz]
+        Of that mode.
+    thresholds : (m,) [rad/s]
+        Spins between which stability changes.
+    """
+
+    spins: Array
+    growth: Array
+    frequencies: Array
+    thresholds: Array
+
+    @property
+    def unstable(self) -> Array:
+        """Whether a mode grows at each spin (n,)."""
+        grows: Array = self.growth > MIN_GROWTH * 2.0 * np.pi * self.frequencies
+        return grows
+
+
+def stability_map(
+    model: Model, spins: Sequence[float], modes: int = 12, progress: bool = False
+) -> StabilityMap:
+    """The growth of the least damped mode of a rotor on bearings, over its spin.
+
+    Parameters
+    ----------
+    model : Model
+    spins : sequence of float [rad/s]
+        Increasing, above zero. A change that comes and goes between two of them is not found.
+    modes : int
+        How many of the slowest modes are watched.
+    progress : bool
+        Report progress on stderr.
+
+    Raises
+    ------
+    ModelError
+        For what `rotor_at` refuses.
+
+    Examples
+    --------
+    Damping c_i that turns with the shaft, beside c_e of the bearings, is cross coupling that grows
+    with the spin. It wins above sqrt(k / m) (1 + c_e / c_i), here 200 rad/s times 1.5:
+
+    >>> from duhamel.solver import Bearing, Frame, Model, RigidBody
+    >>> disk = RigidBody(10.0, [0.1, 0.1, 0.2])
+    >>> film = Bearing("film", ["ground.hub", "disk"], [0.0, 0.0, 1.0],
+    ...                [[4e5, 0.0, 0.0, 4e5], [4e5, 8e4, -8e4, 4e5]],
+    ...                [[300.0, 0.0, 0.0, 300.0]] * 2, speeds=[0.0, 400.0])
+    >>> model = Model({"disk": disk}, bearings=[film], ground_frames={"hub": Frame()})
+    >>> stability_map(model, [100.0, 400.0]).thresholds.round(3).tolist()
+    [300.0]
+    """
+    from scipy.optimize import brentq
+
+    speeds = np.asarray(spins, dtype=np.float64)
+    if not len(speeds) or not (speeds > 0.0).all() or (np.diff(speeds) <= 0.0).any():
+        raise ModelError("spins: expected numbers above 0 that increase")
+    with Progress(Work("stability map", len(speeds), "speeds"), shown=progress) as work:
+        found = []
+        for spin in speeds.tolist():
+            found.append(_least_damped(model, spin, modes))
+            work.advance()
+    growth = np.array([value.real for value in found])
+    # Growths of rounding have either sign and change stability nowhere.
+    sign = np.where(np.abs(growth) > MIN_GROWTH * np.abs(found), np.sign(growth), 0.0)
+    thresholds = [
+        brentq(lambda spin: _least_damped(model, spin, modes).real, low, high,
+               xtol=THRESHOLD_TOLERANCE * high)
+        for low, high, change in zip(speeds[:-1], speeds[1:], sign[:-1] * sign[1:], strict=True)
+        if change < 0.0
+    ]  # fmt: skip
+    frequencies = np.array([abs(value.imag) for value in found]) / (2.0 * np.pi)
+    return StabilityMap(speeds, growth, frequencies, np.array(thresholds))
+
+
+def _least_damped(model: Model, spin: float, modes: int) -> complex:
+    """The eigenvalue with the largest real part among the slowest modes that something resists."""
+    found = rotor_at(model, spin).modes(modes)
+    values = found.values[found.rigid :]
+    if not len(values):
+        raise ModelError("stability: expected a mode that a bearing resists, found none")
+    return complex(values[np.argmax(values.real)])
