@@ -37,7 +37,7 @@ MAX_DRAWN_MODES = 12
 # Of a Campbell diagram, in 80 columns.
 LINES_ABREAST = 6
 # Whole ones would leave four lines abreast.
-NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none"}
+NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none", "mixed": "mixed"}
 
 
 def modes_table(title: str, modes: LinearModes) -> Table:

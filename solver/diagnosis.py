@@ -18,8 +18,8 @@ from .start.redundancy import describe_rows
 from .step.bodies import accelerate, largest_coordinate
 from .step.equations import evaluate, linearize
 from .step.force_laws import law_of_row
-from .step.spin_tables import beyond_table
 from .step.friction import friction_rounding, set_normal_force
+from .step.spin_tables import beyond_table
 from .step.system import State, Workspace
 
 LARGE_TURN = 0.5

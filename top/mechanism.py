@@ -264,7 +264,8 @@ class Mechanism:
         ----------
         what
             A `Superelement` or the path of its file, a `RigidBody`; or a joint, spring, load,
-            contact, stop, motor, coupler, motion, bearing or FMU, which take no other argument than `name`.
+            contact, stop, motor, coupler, motion, bearing or FMU, which take no other argument
+            than `name`.
         name : str
             By which results know it. Without one bodies have that of their part, and the rest is
             numbered, as "revolute 2".

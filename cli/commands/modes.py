@@ -14,7 +14,6 @@ from ..linear import (
     write_output,
 )
 
-
 Spin = Annotated[
     float | None,
     typer.Option("--spin", help="Of a rotor on bearings, in axes fixed in space [rad/s]."),

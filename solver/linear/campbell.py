@@ -17,6 +17,16 @@ from ..arrays import Array
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
+from .campbell_lines import (
+    BACKWARD,
+    FORWARD,
+    NONE,
+    Line,
+    Point,
+    followed_lines,
+    lines_by_whirl,
+    whirling_alike,
+)
 from .linearize import LinearModel, linearize
 from .modes import Complex, LinearModes
 from .motion import Motion
@@ -28,8 +38,6 @@ from .validity import LinearValidity
 NEGLIGIBLE_SPIN = 1e-8
 # of the largest spin: at rest modes of unequal planes whirl neither way, but here they do
 LEAST_WHIRLING_SPIN = 1e-4
-# of a frequency in space over that of the spin; gyroscopic moments of a thin disk make it two
-MAX_CHANGE_PER_SPIN = 4.0
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
 # of the axis in the motion of a mode; below, it does not whirl
@@ -42,20 +50,6 @@ MAX_MODE_CONDITION = 1e6
 MIN_MODES_SOUGHT = 12
 # relative: a motion in a plane, which whirls neither way, counts as forward at every spin
 EVEN_CIRCLES = 1e-6
-FORWARD, BACKWARD, NONE = "forward", "backward", "none"
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of a Campbell diagram.
-
-    whirl: "forward", "backward" or "none"; frequencies (n,) in space [Hz], or those that the
-    mechanism sees where it does not whirl; ratios (n,): of damping; NaN where the line has ended.
-    """
-
-    whirl: str
-    frequencies: Array
-    ratios: Array
 
 
 @dataclass(frozen=True)
@@ -174,11 +168,15 @@ def campbell(
         if speeds[0] < slow:
             whirling, _ = _slowest_in_space(linear_at(slow), 2 * modes)
             still, grows_at_rest = found[0]
-            found[0] = _whirling_alike(still, whirling, slow), grows_at_rest
+            found[0] = whirling_alike(still, whirling, slow), grows_at_rest
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
-    highest = [frequency for point in points for _, frequency, _ in point]
-    return Campbell(speeds, tuple(_lines(points, modes)), grows, linear.validity(None, highest))
+    highest = [point.frequency for of_spin in points for point in of_spin]
+    # Whirl in unequal bearings may change its sense along a line: those lines follow the shapes.
+    lines = (
+        followed_lines(speeds, points, modes) if model.bearings else lines_by_whirl(points, modes)
+    )
+    return Campbell(speeds, tuple(lines), grows, linear.validity(None, highest))
 
 
 def _linear_at(model: Model) -> Callable[[float], LinearModel]:
@@ -194,10 +192,6 @@ def _linear_at(model: Model) -> Callable[[float], LinearModel]:
     return lambda spin: linearize(model, SteadyRotation(spin * axis, center))
 
 
-Point = tuple[str, float, float]
-"""whirl, frequency [Hz] and damping ratio of a mode"""
-
-
 def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
     """The n modes that are slowest in space, and whether a mode grows.
 
@@ -206,45 +200,25 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
     asked = max(2 * n, MIN_MODES_SOUGHT)
     while True:
         modes = linear.modes(asked)
-        points = sorted(_points(linear, modes), key=lambda point: point[1])[:n]
+        # Lines that follow shapes need modes beyond the first, with which these change places.
+        kept = 2 * n if linear.in_space else n
+        points = sorted(_points(linear, modes), key=lambda point: point.frequency)[:kept]
         # All modes of the model have been found.
         if len(modes) < asked:
             break
         # Modes that have not been found are faster than this in space, too.
         carried = 0.0 if linear.in_space else linear.spin
         reach = (float(np.abs(modes.values[-1])) - carried) / (2.0 * np.pi)
-        if len(points) == n and points[-1][1] <= reach:
+        if len(points) >= n and points[n - 1].frequency <= reach:
             break
         asked *= 2
     return points, bool(modes.unstable.any())
 
 
-def _whirling_alike(points: Sequence[Point], whirling: Sequence[Point], spin: float) -> list[Point]:
-    """Points at rest with the whirl of those nearest to them at a small spin.
-
-    A mode at rest in one of two unequal planes is half forward, half backward; its line goes on
-    with one of them.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    near = MAX_CHANGE_PER_SPIN * spin / (2.0 * np.pi)
-    at_rest = [k for k, point in enumerate(points) if point[0] != NONE]
-    others = [point for point in whirling if point[0] != NONE]
-    apart = np.abs(
-        np.subtract.outer([points[k][1] for k in at_rest], [point[1] for point in others])
-    )
-    found = list(points)
-    for row, column in zip(*linear_sum_assignment(np.minimum(apart, near)), strict=True):
-        if apart[row, column] < near:
-            k = at_rest[row]
-            found[k] = (others[column][0], *points[k][1:])
-    return found
-
-
 def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
     spin = linear.spin
     for members in _alike(modes):
-        for whirl, value in _whirls(linear, modes, members):
+        for whirl, value, shape in _whirls(linear, modes, members):
             omega = abs(value.imag)
             seen = omega
             if not linear.in_space:
@@ -253,7 +227,7 @@ def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
                 # A backward mode that is slower than the spin is carried forward by it.
                 whirl = FORWARD if seen > 0.0 else BACKWARD
             if omega > 0.0:
-                yield whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value)
+                yield Point(whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value), shape)
 
 
 def _alike(modes: LinearModes) -> Iterator[list[int]]:
@@ -271,8 +245,8 @@ def _alike(modes: LinearModes) -> Iterator[list[int]]:
 
 def _whirls(
     linear: LinearModel, modes: LinearModes, members: list[int]
-) -> Iterator[tuple[str, complex]]:
-    """Whirl and eigenvalue of modes that nearly coincide.
+) -> Iterator[tuple[str, complex, Complex]]:
+    """Whirl, eigenvalue and shape of modes that nearly coincide.
 
     Their motions y + i z = p exp(i omega t) + m exp(-i omega t) are combined to those in which
     |p|^2 - |m|^2 over the axis is least and largest: so two planes at rest become two circles.
@@ -280,7 +254,8 @@ def _whirls(
     form, pose = linear.first_order, linear.equations.pose
     y = modes.y[:, members]
     # Of coinciding modes any combination is a mode: those of unit kinetic energy are comparable.
-    R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
+    a = form.coordinates @ y  # the inertia is a unit matrix there
+    R = np.linalg.qr(a)[1]
     if np.linalg.cond(R) > MAX_MODE_CONDITION:
         R = np.eye(len(members))
     motion = linear.motion(y @ np.linalg.inv(R))
@@ -292,10 +267,11 @@ def _whirls(
     for x in combined.T:
         p, m = (float((np.abs(part @ x) ** 2).sum()) for part in (with_spin, against))
         value = complex(x.conj() @ values @ x)
+        shape = a @ np.linalg.solve(R, x)
         if p + m <= MIN_AXIS_SHARE * float((x.conj() @ whole @ x).real):
-            yield NONE, value
+            yield NONE, value, shape
         else:
-            yield FORWARD if p >= (1.0 - EVEN_CIRCLES) * m else BACKWARD, value
+            yield FORWARD if p >= (1.0 - EVEN_CIRCLES) * m else BACKWARD, value, shape
 
 
 def _square(matrix: Complex) -> Complex:
@@ -327,16 +303,3 @@ def across(axis: Array) -> tuple[Array, Array]:
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)
-
-
-def _lines(points: Sequence[Sequence[Point]], n: int) -> Iterator[Line]:
-    """Lines of the modes of each kind of whirl, by their order."""
-    found = []
-    for whirl in (FORWARD, BACKWARD, NONE):
-        sets = [[p for p in spin if p[0] == whirl] for spin in points]
-        for k in range(max(map(len, sets))):
-            rows = [one[k][1:] if k < len(one) else (np.nan, np.nan) for one in sets]
-            frequencies, ratios = np.array(rows).T
-            found.append(Line(whirl, frequencies, ratios))
-    found.sort(key=lambda line: float(np.nanmin(line.frequencies)))
-    yield from found

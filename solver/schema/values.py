@@ -193,7 +193,7 @@ def shortest(matrix: Array) -> Any:
 
 
 def of_bearing(matrices: Array) -> Any:
-    """Matrices (n, 2, 2) of a bearing as a file gives them: one by its rows, several by one each."""
+    """Matrices (n, 2, 2) of a bearing as a file gives them: one by rows, several by a row each."""
     if not matrices.any():
         return 0.0
     return matrices[0].tolist() if len(matrices) == 1 else matrices.reshape(-1, 4).tolist()

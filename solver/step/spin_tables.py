@@ -80,9 +80,7 @@ def table_slope_by_spin(laws: Laws, i: int, first: int, work: Workspace) -> floa
     """Derivative of what the table of row i adds to its force by the spin."""
     t, out, total = laws.tables.of[i], work.couplings, 0.0
     for j in range(2):
-        by_stiffness, by_damping = added_slopes(
-            laws.tables, t, j, out.rate[laws.tables.spin[t]]
-        )
+        by_stiffness, by_damping = added_slopes(laws.tables, t, j, out.rate[laws.tables.spin[t]])
         total += by_stiffness * (out.coordinate[first + j] - laws.rest[first + j])
         total += by_damping * out.rate[first + j]
     return total
@@ -95,8 +93,6 @@ def elastic_table_force(laws: Laws, i: int, first: int, work: Workspace) -> floa
     if t < 0:
         return total
     for j in range(2):
-        stiffness, _ = added_coefficients(
-            laws.tables, t, j, out.rate[laws.tables.spin[t]]
-        )
+        stiffness, _ = added_coefficients(laws.tables, t, j, out.rate[laws.tables.spin[t]])
         total += stiffness * (out.coordinate[first + j] - laws.rest[first + j])
     return total

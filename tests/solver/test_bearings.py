@@ -82,8 +82,12 @@ def test_a_run_stops_where_the_spin_leaves_the_table():
 
 
 def test_bearings_read_back_as_they_were_written(tmp_path):
-    table = plane([[1e5, 1.0, 2.0, 2e5], [1e5, 3.0, 4.0, 2e5]], [[1.0, 0.0, 0.0, 2.0]] * 2, speeds=[0, 9],
-                  second_axis=[0.0, 1.0, 0.0])  # fmt: skip
+    table = plane(
+        [[1e5, 1.0, 2.0, 2e5], [1e5, 3.0, 4.0, 2e5]],
+        [[1.0, 0.0, 0.0, 2.0]] * 2,
+        speeds=[0, 9],
+        second_axis=[0.0, 1.0, 0.0],
+    )
     for bearing in (plane(), plane(1e5, 0.0), table):
         model = spinning(bearing)
         write_model(model, tmp_path / "model.toml")
