@@ -172,10 +172,11 @@ def campbell(
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
     highest = [point.frequency for of_spin in points for point in of_spin]
-    # Whirl in unequal bearings may change its sense along a line: those lines follow the shapes.
-    lines = (
-        followed_lines(speeds, points, modes) if model.bearings else lines_by_whirl(points, modes)
-    )
+    if model.bearings:
+        # Whirl in unequal bearings may change its sense along a line: shapes tell what goes on.
+        lines = followed_lines(speeds, points, modes)
+    else:
+        lines = list(lines_by_whirl(points, modes))
     return Campbell(speeds, tuple(lines), grows, linear.validity(None, highest))
 
 

@@ -96,7 +96,7 @@ class InSpace(FirstOrder):
 
 
 def turning_of(form: FirstOrder) -> Array:
-    """J (n_y, n_y): what turning with the rotor adds to the rates of rigid coordinates and modes."""
+    """J (n_y, n_y): what turning with the rotor adds to rates of rigid coordinates and modes."""
     pose = form.equations.pose
     blocks = []
     for velocity in pose.state.bodies.v:
@@ -252,6 +252,9 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
             bearing.coefficients(spin * float(np.sign(along)))
         gravity = (model.gravity @ axes.axis) * axes.axis
         model = replace(model.without_surfaces(), gravity=gravity)
+        if model.settings.step is None and not model.flexible_bodies:
+            # No step is taken, but rigid bodies alone propose none.
+            model = model.with_settings(step=0.5 * model.settings.t_end)
         linear = RotorModel(model, SteadyRotation(spin * axes.axis, axes.center))
         _ = linear.first_order
     return linear

@@ -12,8 +12,8 @@ from ..model.model import Model
 from .modes import MIN_GROWTH
 from .rotors import rotor_at
 
-# rad/s, relative to the speeds of an interval in which stability changes
-THRESHOLD_TOLERANCE = 1e-9
+# relative, of a spin from the threshold, by which its slope is found
+BESIDE_THRESHOLD = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +77,6 @@ def stability_map(
     >>> stability_map(model, [100.0, 400.0]).thresholds.round(3).tolist()
     [300.0]
     """
-    from scipy.optimize import brentq
-
     speeds = np.asarray(spins, dtype=np.float64)
     if not len(speeds) or not (speeds > 0.0).all() or (np.diff(speeds) <= 0.0).any():
         raise ModelError("spins: expected numbers above 0 that increase")
@@ -87,17 +85,26 @@ def stability_map(
         for spin in speeds.tolist():
             found.append(_least_damped(model, spin, modes))
             work.advance()
+    margins = np.array([_margin(value) for value in found])
+    changes = np.flatnonzero(margins[:-1] * margins[1:] < 0.0).tolist()
+    thresholds = [_threshold(model, speeds[k], speeds[k + 1], modes) for k in changes]
     growth = np.array([value.real for value in found])
-    # Growths of rounding have either sign and change stability nowhere.
-    sign = np.where(np.abs(growth) > MIN_GROWTH * np.abs(found), np.sign(growth), 0.0)
-    thresholds = [
-        brentq(lambda spin: _least_damped(model, spin, modes).real, low, high,
-               xtol=THRESHOLD_TOLERANCE * high)
-        for low, high, change in zip(speeds[:-1], speeds[1:], sign[:-1] * sign[1:], strict=True)
-        if change < 0.0
-    ]  # fmt: skip
     frequencies = np.array([abs(value.imag) for value in found]) / (2.0 * np.pi)
     return StabilityMap(speeds, growth, frequencies, np.array(thresholds))
+
+
+def _threshold(model: Model, low: float, high: float, modes: int) -> float:
+    """The spin between two at which the least damped mode neither grows nor decays."""
+    from scipy.optimize import brentq
+
+    near = float(
+        brentq(lambda spin: _margin(_least_damped(model, spin, modes)), low, high, rtol=1e-9)
+    )
+    # There the mode grows by the margin: its own line leads to where it does not.
+    value, before = _least_damped(model, near, modes), near * (1.0 - BESIDE_THRESHOLD)
+    values = rotor_at(model, before).modes(modes).values
+    other = complex(values[np.argmin(np.abs(values - value))])
+    return near - value.real * (near - before) / (value.real - other.real)
 
 
 def _least_damped(model: Model, spin: float, modes: int) -> complex:
@@ -106,4 +113,9 @@ def _least_damped(model: Model, spin: float, modes: int) -> complex:
     values = found.values[found.rigid :]
     if not len(values):
         raise ModelError("stability: expected a mode that a bearing resists, found none")
-    return complex(values[np.argmax(values.real)])
+    return complex(max(values.tolist(), key=_margin))
+
+
+def _margin(value: complex) -> float:
+    """How much faster a mode grows than rounding lets modes without damping grow [1/s]."""
+    return value.real - MIN_GROWTH * abs(value)
