@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...files.progress import Progress, Work
 from ..arrays import Array
@@ -37,9 +38,9 @@ class StabilityMap:
     thresholds: Array
 
     @property
-    def unstable(self) -> Array:
+    def unstable(self) -> NDArray[np.bool_]:
         """Whether a mode grows at each spin (n,)."""
-        grows: Array = self.growth > MIN_GROWTH * 2.0 * np.pi * self.frequencies
+        grows: NDArray[np.bool_] = self.growth > MIN_GROWTH * 2.0 * np.pi * self.frequencies
         return grows
 
 

@@ -130,7 +130,8 @@ def unbalance_response(
     # e_1 - i e_2: a force along e_1 now is along e_2 a quarter turn later.
     turning = axes[0] - 1j * axes[1]
     columns = np.concatenate([complex(u) * turning for u in unbalance.values()])
-    rows, names = [], ()
+    names: tuple[str, ...] = ()
+    rows = []
     with Progress(Work("unbalance response", len(speeds), "speeds"), shown=progress) as work:
         for spin in speeds.tolist():
             linear = rotor_at(loaded, spin)
