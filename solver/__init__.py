@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from .linear.frf import FrequencyResponse
     from .linear.linearize import LinearModel, linearize
     from .linear.modes import LinearModes
-    from .linear.rotors import RotorModel, rotor_at
+    from .linear.rotors import rotor_at
     from .linear.stability import StabilityMap, stability_map
     from .linear.state_space import StateSpace
     from .linear.unbalance import UnbalanceResponse, unbalance_response
@@ -174,7 +174,6 @@ __all__ = [
     "RigidBody",
     "RigidSuperelement",
     "Rod",
-    "RotorModel",
     "SavedState",
     "Sawtooth",
     "Screw",
@@ -263,7 +262,7 @@ if not TYPE_CHECKING:
             ".linear.frf": "FrequencyResponse",
             ".linear.linearize": "LinearModel linearize",
             ".linear.modes": "LinearModes",
-            ".linear.rotors": "RotorModel rotor_at",
+            ".linear.rotors": "rotor_at",
             ".linear.stability": "StabilityMap stability_map",
             ".linear.state_space": "StateSpace",
             ".linear.unbalance": "UnbalanceResponse unbalance_response",

@@ -40,9 +40,9 @@ from .rows import OverSpin, Row, Sides
 
 NO_DAMPING: Any = 0.0
 """the default of damping"""
-FORMS = "a number, 2 numbers or a 2x2 matrix"
+CONSTANT_FORMS = "a number, 2 numbers or a 2x2 matrix"
 # Two numbers a row would be mistaken for one 2x2 matrix where there are two speeds.
-FORMS_OF_TABLE = "a row of 4 numbers (11, 12, 21, 22)"
+FORMS_OVER_SPEEDS = "a row of 4 numbers (11, 12, 21, 22)"
 
 
 @entry()
@@ -121,9 +121,9 @@ class Bearing(Entry, Coupling):
         else:
             matrices = _over_speeds(values, len(self.speeds))
         if matrices is None:
-            forms = FORMS
+            forms = CONSTANT_FORMS
             if self.speeds is not None:
-                forms = f"for each of {len(self.speeds)} speeds {FORMS_OF_TABLE}"
+                forms = f"for each of {len(self.speeds)} speeds {FORMS_OVER_SPEEDS}"
             raise self.error(f"{key}: expected {forms}, got {np.squeeze(values).tolist()}")
         return np.ascontiguousarray(matrices)
 

@@ -38,14 +38,14 @@ from .tangent import skew
 # relative, of modes in two planes that are one pair
 PAIR_TOLERANCE = 1e-5
 # of the size of the model, from the axis, of interfaces that turn in place
-ON_AXIS = 1e-6
+OFF_AXIS_TOLERANCE = 1e-6
 # of the largest shape of a mode on the axis, below which a mode leaves the axis where it is
 MIN_SHAPE = 1e-6
 # of the cosine of the angle between the axes of a bearing and of the rotor
-ALIGNED = 1e-9
+MAX_MISALIGNMENT = 1e-9
 # relative, of responses before and after a turn
-NEGLIGIBLE_DIFFERENCE = 1e-5
-UNEVEN = (
+MAX_DIFFERENCE_BY_TURN = 1e-5
+NOT_ALIKE_ALL_ROUND = (
     "it is not alike all round the axis: expected a rotor with axisymmetric bodies, joints and "
     "loads, and bearings to the ground alone; Floquet multipliers take any rotor"
 )
@@ -115,7 +115,7 @@ def _turning_modes(pose: Pose, e: int, body: ModalBody) -> Array:
     for f in np.flatnonzero(frames.dof >= 0).tolist():
         arm = work.frames.r[f] - pose.center
         off = np.linalg.norm(np.cross(arm, pose.angular_velocity)) / pose.speed
-        if frames.body[f] != b or off > ON_AXIS * size:
+        if frames.body[f] != b or off > OFF_AXIS_TOLERANCE * size:
             continue
         first = int(frames.dof[f] - elastic.dof[e])
         for start, scale in ((first, 1.0), (first + 3, size)):
@@ -168,8 +168,8 @@ def check_alike_all_round(form: InSpace) -> None:
     change = form.coordinates @ other.basis
     change = np.asarray(diagonal_blocks([change, change, np.eye(form.n_e)]))
     before, after = form.turning_with, T @ change @ after @ change.T @ T.T
-    if np.abs(after - before).max() > NEGLIGIBLE_DIFFERENCE * np.abs(before).max():
-        raise _uneven(pose, UNEVEN)
+    if np.abs(after - before).max() > MAX_DIFFERENCE_BY_TURN * np.abs(before).max():
+        raise _uneven(pose, NOT_ALIKE_ALL_ROUND)
 
 
 def _uneven(pose: Pose, why: str) -> ModelError:
@@ -244,7 +244,7 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
         axes = rotor_axes(model)
         for bearing in model.bearings:
             along = float(bearing.axis @ axes.axis)
-            if abs(abs(along) - 1.0) > ALIGNED:
+            if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
                 raise bearing.error(
                     f"axis: expected that of the rotor, {axes.axis.tolist()}, "
                     f"got {bearing.axis.tolist()}"
