@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from ..solver import Campbell, FrequencyResponse, LinearModel, LinearModes
+from ..solver import (
+    Campbell,
+    FrequencyResponse,
+    LinearModel,
+    LinearModes,
+    Model,
+    UnbalanceResponse,
+    stability_map,
+)
 from ..superelement.validation import Array
 from ..view import (
     CampbellLine,
@@ -29,7 +37,7 @@ MAX_DRAWN_MODES = 12
 # Of a Campbell diagram, in 80 columns.
 LINES_ABREAST = 6
 # Whole ones would leave four lines abreast.
-NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none"}
+NARROW_WHIRL_NAMES = {"forward": "forw.", "backward": "backw.", "none": "none", "mixed": "mixed"}
 
 
 def modes_table(title: str, modes: LinearModes) -> Table:
@@ -204,6 +212,51 @@ def crossing_lines(diagram: Campbell, orders: Sequence[float]) -> Iterator[str]:
     # A mode that grows is told even where no engine order meets it.
     for spin in diagram.spins[diagram.unstable].tolist():
         yield f"UNSTABLE at {spin:.6g} rad/s: a mode grows, see `duhamel modes` at that spin"
+
+
+def threshold_lines(model: Model, diagram: Campbell, modes: int) -> Iterator[str]:
+    """A line for each speed at which a rotor on bearings becomes unstable, or stable again."""
+    spins, unstable = diagram.spins.tolist(), diagram.unstable.tolist()
+    for k in range(len(spins) - 1):
+        if unstable[k] == unstable[k + 1] or spins[k] == 0.0:
+            continue
+        for spin in stability_map(model, spins[k : k + 2], 2 * modes).thresholds.tolist():
+            what = "unstable above" if unstable[k + 1] else "stable above"
+            turns = 60.0 * spin / (2.0 * np.pi)
+            yield f"{what} {spin:.6g} rad/s, {turns:.6g} turns per minute"
+
+
+def unbalance_rows(response: UnbalanceResponse, points: Sequence[str]) -> list[list[str]]:
+    """A row for each spin: amplitude and phase along e_1 and e_2, and the long semiaxis."""
+    header, columns = ["spin_rad_per_s"], [response.spins]
+    for name in points:
+        motion = response.motion[:, response.names.index(name)]
+        for k, axis in enumerate(("e1", "e2")):
+            header += [f"{name}.{axis} [m]", f"{name}.{axis} phase [rad]"]
+            columns += [np.abs(motion[:, k]), np.angle(motion[:, k])]
+        header.append(f"{name} long semiaxis [m]")
+        columns.append(response.amplitude(name))
+    return [header, *([repr(float(x)) for x in row] for row in zip(*columns, strict=True))]
+
+
+def peak_lines(response: UnbalanceResponse, points: Sequence[str]) -> Iterator[str]:
+    """A line of text for each critical speed of a point."""
+    for name in points:
+        for spin, size in response.peaks(name):
+            turns = 60.0 * spin / (2.0 * np.pi)
+            yield (
+                f"{name}: largest at {spin:.6g} rad/s, {turns:.6g} turns per minute: {size:.4g} m"
+            )
+
+
+def unbalance_picture(title: str, response: UnbalanceResponse, points: Sequence[str]) -> Any:
+    """Amplitudes and phases of points along e_1 and e_2 over turns per second."""
+    curves = [
+        ResponseCurve(f"{name}.{axis}", "m", response.motion[:, response.names.index(name), k])
+        for name in points
+        for k, axis in enumerate(("e1", "e2"))
+    ]
+    return draw_response(response.spins / (2.0 * np.pi), curves, title)
 
 
 def campbell_picture(title: str, diagram: Campbell, orders: Sequence[float]) -> Any:

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ..results.results import Results
     from .checkpoint.saved_state import Moment as Moment
     from .checkpoint.saved_state import SavedState
+    from .couplings.bearings import Bearing
     from .couplings.contacts import Contact, Hertz
     from .couplings.couplers import Coupler
     from .couplings.friction import Coulomb, JointFriction, Stribeck
@@ -56,7 +57,10 @@ if TYPE_CHECKING:
     from .linear.frf import FrequencyResponse
     from .linear.linearize import LinearModel, linearize
     from .linear.modes import LinearModes
+    from .linear.rotors import rotor_at
+    from .linear.stability import StabilityMap, stability_map
     from .linear.state_space import StateSpace
+    from .linear.unbalance import UnbalanceResponse, unbalance_response
     from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
     from .model.body_shapes import Box, Cylinder, Sphere, Surface
     from .model.file import model_schema, read_model, write_model
@@ -101,6 +105,7 @@ __all__ = [
     "FMU",
     "JOINTS",
     "LOADS",
+    "Bearing",
     "BoucWenLaw",
     "Box",
     "Campbell",
@@ -181,6 +186,7 @@ __all__ = [
     "Spherical",
     "Spline",
     "Spring",
+    "StabilityMap",
     "Start",
     "StartFrom",
     "StateError",
@@ -197,6 +203,7 @@ __all__ = [
     "TabulatedLaw",
     "Torque",
     "Trapezoid",
+    "UnbalanceResponse",
     "Universal",
     "UserLaw",
     "ValidityWarning",
@@ -209,8 +216,11 @@ __all__ = [
     "model_schema",
     "plausibility_warnings",
     "read_model",
+    "rotor_at",
     "simulate",
+    "stability_map",
     "start",
+    "unbalance_response",
     "write_model",
 ]
 
@@ -220,6 +230,7 @@ if not TYPE_CHECKING:
         {
             "..results.results": "Results",
             ".checkpoint.saved_state": "Moment SavedState",
+            ".couplings.bearings": "Bearing",
             ".couplings.contacts": "Contact Hertz",
             ".couplings.couplers": "Coupler",
             ".couplings.friction": "Coulomb JointFriction Stribeck",
@@ -251,7 +262,10 @@ if not TYPE_CHECKING:
             ".linear.frf": "FrequencyResponse",
             ".linear.linearize": "LinearModel linearize",
             ".linear.modes": "LinearModes",
+            ".linear.rotors": "rotor_at",
+            ".linear.stability": "StabilityMap stability_map",
             ".linear.state_space": "StateSpace",
+            ".linear.unbalance": "UnbalanceResponse unbalance_response",
             ".model.bodies": "FlexibleBody Frame Place RigidBody RigidSuperelement Start",
             ".model.body_shapes": "Box Cylinder Sphere Surface",
             ".model.file": "model_schema read_model write_model",

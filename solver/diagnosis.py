@@ -19,6 +19,7 @@ from .step.bodies import accelerate, largest_coordinate
 from .step.equations import evaluate, linearize
 from .step.force_laws import law_of_row
 from .step.friction import friction_rounding, set_normal_force
+from .step.spin_tables import beyond_table
 from .step.system import State, Workspace
 
 LARGE_TURN = 0.5
@@ -33,6 +34,8 @@ NEARLY_DEPENDENT = 0.03
 # share of a row in a dependence; more rows than cause it would hide those that do
 MIN_NAMED_SHARE = 0.1
 FEW_ITERATIONS = 10
+# relative change of a spin in a step
+NEAR_END_OF_TABLE = 1e-3
 COARSE_BRISTLE = 1e-3
 """rounding of a bristle's force, over that at which it slips, which hides whether it does"""
 MOTOR_SIGNALS = ("torque or force", "reference", "reference_rate")
@@ -99,6 +102,22 @@ def _size_of(lowered: LoweredModel, row: int) -> tuple[float, str]:
     """What the coordinate of a row is measured by, and its unit."""
     lengths = lowered.measures_lengths
     return (float(lowered.system.bodies.size), "m") if lengths[row] else (1.0, "rad")
+
+
+def _spin(failure: Failure) -> str:
+    """A shaft that spins faster or slower than the table of its bearing."""
+    lowered, _, work, _ = failure
+    tables = lowered.system.couplings.laws.tables
+    for t, row in enumerate(tables.spin.tolist()):
+        spin = float(work.couplings.rate[row])
+        # A spin at the end of its margin leaves it in the corrections that follow.
+        if beyond_table(tables, t, spin) > -NEAR_END_OF_TABLE * abs(spin):
+            speeds = tables.speed[tables.first[t] : tables.first[t + 1]]
+            return (
+                f"{lowered.owner_of(row)}: its spin of {spin:.6g} rad/s is beyond its table, from "
+                f"{speeds[0]:.6g} to {speeds[-1]:.6g}"
+            )
+    return ""
 
 
 def _turn(failure: Failure) -> str:
@@ -224,4 +243,4 @@ def _iterations(failure: Failure) -> str:
     return f"max_iterations = {limit} are few" if limit < FEW_ITERATIONS else ""
 
 
-FAILURE_CAUSES = (_turn, _flight, _bristle, _stiffness, _iterations, _dependence)
+FAILURE_CAUSES = (_spin, _turn, _flight, _bristle, _stiffness, _iterations, _dependence)

@@ -12,7 +12,7 @@ from duhamel import solver, superelement, view
 from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
 from duhamel.solver.model.bodies import Body, Place, Start
 from duhamel.solver.model.model import numbered
-from duhamel.solver.schema.values import Framed, direction
+from duhamel.solver.schema.values import Framed, direction, frame_name
 from duhamel.superelement import Superelement
 from numpy.typing import ArrayLike
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MODEL_GROUPS = (
     *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
-    "fmus",
+    *("bearings", "fmus"),
 )
 """the arrays of a model, one for each kind of what is between bodies"""
 AnyRigidBody: TypeAlias = solver.RigidBody | solver.RigidSuperelement
@@ -35,6 +35,7 @@ AnyPart = TypeVar(
     bound=(
         solver.Joint
         | solver.Spring
+        | solver.Bearing
         | solver.PrescribedDisplacement
         | solver.PrescribedRotation
         | solver.PrescribedOrientation
@@ -263,7 +264,8 @@ class Mechanism:
         ----------
         what
             A `Superelement` or the path of its file, a `RigidBody`; or a joint, spring, load,
-            contact, stop, motor, coupler, motion or FMU, which take no other argument than `name`.
+            contact, stop, motor, coupler, motion, bearing or FMU, which take no other argument
+            than `name`.
         name : str
             By which results know it. Without one bodies have that of their part, and the rest is
             numbered, as "revolute 2".
@@ -452,7 +454,7 @@ class Mechanism:
     def campbell(
         self,
         spins: ArrayLike,
-        axis: ArrayLike | str = "z",
+        axis: ArrayLike | str | None = None,
         center: ArrayLike = (0.0, 0.0, 0.0),
         n: int = 8,
         progress: bool = False,
@@ -464,14 +466,48 @@ class Mechanism:
         spins : (m,) [rad/s]
             Increasing; drives that turn the mechanism follow them.
         axis, center : (3,), (3,) [m]
-            Of the rotation, in space.
+            Of the rotation, in space. By default those of the first bearing, or z.
         n : int
         progress : bool
             Show how far it is.
         """
-        rotation = solver.SteadyRotation(direction(axis), center)
+        model = self._turning(axis, center)
+        return solver.campbell(model, np.asarray(spins).tolist(), n, progress)
+
+    def unbalance(
+        self, at: Mapping[Any, complex], spins: ArrayLike, progress: bool = False
+    ) -> solver.UnbalanceResponse:
+        """The orbits of a rotor on bearings under unbalance, over its spin.
+
+        Parameters
+        ----------
+        at : mapping of complex [kg m]
+            Mass times eccentricity by frames of the shaft, at an angle from e_1 to e_2.
+        spins : (m,) [rad/s]
+            Increasing.
+        progress : bool
+            Show how far it is.
+        """
+        given = {frame_name(frame): complex(value) for frame, value in at.items()}
+        model = self._turning(None, np.zeros(3))
+        return solver.unbalance_response(model, given, np.asarray(spins).tolist(), progress)
+
+    def stability(
+        self, spins: ArrayLike, n: int = 12, progress: bool = False
+    ) -> solver.StabilityMap:
+        """The growth of the least damped of the first n modes of a rotor on bearings, over its
+        spin [rad/s], and the speeds at which stability changes.
+        """
+        model = self._turning(None, np.zeros(3))
+        return solver.stability_map(model, np.asarray(spins).tolist(), n, progress)
+
+    def _turning(self, axis: ArrayLike | str | None, center: ArrayLike) -> solver.Model:
+        """The model in a steady rotation about an axis, or about that of its bearings."""
+        rotation = None
+        if axis is not None or not self._entries["bearings"]:
+            rotation = solver.SteadyRotation(direction("z" if axis is None else axis), center)
         settings = replace(self.settings, start="equilibrium", steady_rotation=rotation)
-        return solver.campbell(self.model(settings), np.asarray(spins).tolist(), n, progress)
+        return self.model(settings)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a model file that `duhamel run` and `Mechanism.read` take.
@@ -626,5 +662,5 @@ def _body(
         )
     raise solver.ModelError(
         "expected a Superelement, a RigidBody, or a joint, load, spring, contact, stop, motor, "
-        f"coupler, motion or FMU, found {quoted(what)}"
+        f"coupler, motion, bearing or FMU, found {quoted(what)}"
     )

@@ -1,7 +1,8 @@
-"""Springs with dampers between two frames, of three types."""
+"""Springs with dampers between two frames, of three types, and bearings of rotors."""
 
 from typing import Any
 
+from duhamel.solver.couplings.bearings import Bearing
 from duhamel.solver.couplings.springs import Spring
 from duhamel.solver.laws.law import ForceLaw
 from duhamel.solver.schema.values import Framed
@@ -122,4 +123,44 @@ def bushing(
     )
 
 
-__all__ = ["bushing", "point", "torsion"]
+def bearing(
+    support: str | Framed,
+    shaft: str | Framed,
+    axis: ArrayLike | str,
+    *,
+    stiffness: ArrayLike,
+    damping: ArrayLike = 0.0,
+    speeds: ArrayLike | None = None,
+    second_axis: ArrayLike | str | None = None,
+    name: str = "",
+) -> Bearing:
+    """A bearing that acts across the axis of a shaft, in axes of its support.
+
+    Parameters
+    ----------
+    support, shaft
+        Handles of frames, the first most often of the ground.
+    axis : (3,), or "x", "y", "z"
+        Of the shaft, in space at the start. A positive spin turns e1 to e2.
+    stiffness, damping : float, (2,), (2, 2), or with speeds (n, 4) [N/m; N s/m]
+        Along e1, e2: entry (i, k) is the force against e_i by a motion along e_k. A matrix need not
+        be symmetric. The rows of a table have the entries 11, 12, 21, 22.
+    speeds : (n,) [rad/s]
+        Spins of the rows, which are linear between them.
+    second_axis : (3,), or "x", "y", "z"
+        e1, by default nearest to the x axis of the support (to its y axis where x is within 26
+        degrees of the axis).
+    name : str
+    """
+    return Bearing(
+        name,
+        (support, shaft),
+        axis,
+        stiffness=stiffness,
+        damping=damping,
+        speeds=speeds,
+        second_axis=second_axis,
+    )
+
+
+__all__ = ["bearing", "bushing", "point", "torsion"]

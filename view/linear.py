@@ -25,7 +25,7 @@ DRAWN_BEYOND_ORDERS = 1.25
 # Over the highest frequency, or its line would lie on the frame.
 DIAGRAM_TOP_MARGIN = 1.08
 # Dashes beside colors, so that the kinds are told apart in print too.
-WHIRL_LINES = {"forward": "-", "backward": "--", "none": ":"}
+WHIRL_LINES = {"forward": "-", "backward": "--", "none": ":", "mixed": "-."}
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class CampbellLine:
 
     Parameters
     ----------
-    whirl : {"forward", "backward", "none"}
+    whirl : {"forward", "backward", "none", "mixed"}
     frequencies : (n,) [Hz]
     """
 

@@ -14,7 +14,19 @@ from typing import Any
 # The help has all others after these.
 HELP_ORDER = (
     *("preprocess", "run", "sweep", "peaks", "explain", "info", "check"),
-    *("plot", "report", "animate", "export", "modes", "frf", "campbell", "fmu", "init", "import"),
+    *(
+        "plot",
+        "report",
+        "animate",
+        "export",
+        "modes",
+        "frf",
+        "campbell",
+        "unbalance",
+        "fmu",
+        "init",
+        "import",
+    ),
     *("demo", "schema"),
 )
 

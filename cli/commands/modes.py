@@ -1,5 +1,9 @@
 """`duhamel modes`."""
 
+from typing import Annotated
+
+import typer
+
 from ..arguments import ModelFile
 from ..failures import errors_in_one_line
 from ..linear import (
@@ -10,8 +14,15 @@ from ..linear import (
     write_output,
 )
 
+Spin = Annotated[
+    float | None,
+    typer.Option("--spin", help="Of a rotor on bearings, in axes fixed in space [rad/s]."),
+]
 
-def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None) -> None:
+
+def modes(
+    model_file: ModelFile, n: ModeCount = 12, spin: Spin = None, output: LinearOutput = None
+) -> None:
     """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
     from rich.console import Console
 
@@ -22,7 +33,7 @@ def modes(model_file: ModelFile, n: ModeCount = 12, output: LinearOutput = None)
         if output is not None:
             files.require_no_input(output, [model_file], "the model file")
         model = solver.read_model(model_file)
-        linear = solver.linearize(model)
+        linear = solver.linearize(model) if spin is None else solver.rotor_at(model, spin)
         found = linear.modes(n)
         title = linear_title(model_file, linear.spin)
         Console().print(modes_table(title, found))

@@ -36,6 +36,8 @@ class Coupling:
     keeps_turns: ClassVar[bool] = False
     """its angle knows its full turns, and the joint that it acts on learns them from it"""
 
+    may_feed: ClassVar[bool] = False
+    """its law may put energy into the bodies, by nature and not by an error of the step"""
     has_branches: ClassVar[bool] = False
     """its constraint holds on a second branch too, see solver/output/branches.py"""
 

@@ -81,6 +81,19 @@ class Servo(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class OverSpin:
+    """What a spin adds to stiffness and damping of a row, linear between its speeds.
+
+    speeds (n,) increasing [rad/s]; stiffness, damping (n, 2): against the first two rows of the
+    coupling, whose third has the spin as its rate.
+    """
+
+    speeds: Array
+    stiffness: Array
+    damping: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Row:
     """One row between frames A and B, by their numbers, with its drive or its law."""
 
@@ -95,6 +108,7 @@ class Row:
     rest: float = 0.0
     stiffness: Array | None = None
     damping: Array | None = None
+    over_spin: OverSpin | None = None
     laws: tuple[ForceLaw, ...] = ()
     swapped: bool = False
     """frame A is the second that the coupling names"""

@@ -6,7 +6,7 @@ which one a mode has: with the spin (forward) or against it (backward). Modes th
 where it is keep the frequency that the mechanism sees.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,18 +17,27 @@ from ..arrays import Array
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
+from .campbell_lines import (
+    BACKWARD,
+    FORWARD,
+    NONE,
+    Line,
+    Point,
+    followed_lines,
+    lines_by_whirl,
+    whirling_alike,
+)
 from .linearize import LinearModel, linearize
 from .modes import Complex, LinearModes
 from .motion import Motion
 from .pose import Pose
+from .rotors import rotor_at
 from .validity import LinearValidity
 
 # of the largest spin: pairs of modes at rest, which coincide, are told apart there
 NEGLIGIBLE_SPIN = 1e-8
 # of the largest spin: at rest modes of unequal planes whirl neither way, but here they do
 LEAST_WHIRLING_SPIN = 1e-4
-# of a frequency in space over that of the spin; gyroscopic moments of a thin disk make it two
-MAX_CHANGE_PER_SPIN = 4.0
 ON_AXIS = 1e-3
 """distance from the axis, relative to the size of the model, of points that whirl with it"""
 # of the axis in the motion of a mode; below, it does not whirl
@@ -39,20 +48,8 @@ COINCIDENT_MODES = 1e-4
 MAX_MODE_CONDITION = 1e6
 # more than asked for, so that modes that cross are followed
 MIN_MODES_SOUGHT = 12
-FORWARD, BACKWARD, NONE = "forward", "backward", "none"
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of a Campbell diagram.
-
-    whirl: "forward", "backward" or "none"; frequencies (n,) in space [Hz], or those that the
-    mechanism sees where it does not whirl; ratios (n,): of damping; NaN where the line has ended.
-    """
-
-    whirl: str
-    frequencies: Array
-    ratios: Array
+# relative: a motion in a plane, which whirls neither way, counts as forward at every spin
+EVEN_CIRCLES = 1e-6
 
 
 @dataclass(frozen=True)
@@ -137,8 +134,8 @@ def campbell(
     Raises
     ------
     ModelError
-        For a model without `steady_rotation`, whose axis and center count, and for what `linearize`
-        refuses.
+        For a model without bearings or a `steady_rotation`, whose axis and center count, and for
+        what `linearize` or, with bearings, `rotor_at` refuses.
 
     Examples
     --------
@@ -156,35 +153,44 @@ def campbell(
     >>> [(line.whirl, line.frequencies.round(2).tolist()) for line in diagram.lines]
     [('backward', [34.03, 32.91]), ('forward', [34.03, 35.18])]
     """
-    rotation = model.settings.steady_rotation
-    if rotation is None or not np.any(rotation.angular_velocity):
-        with about(model.path):
-            raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
+    linear_at = _linear_at(model)
     speeds = np.asarray(spins, dtype=np.float64)
     if not len(speeds) or (speeds < 0.0).any() or (np.diff(speeds) <= 0.0).any():
         raise ModelError("spins: expected numbers >= 0 that increase")
-    axis = rotation.angular_velocity / np.linalg.norm(rotation.angular_velocity)
     found = []
     with Progress(Work("Campbell diagram", len(speeds), "speeds"), shown=progress) as work:
         # At exactly zero, forward and backward modes coincide and would be mixed at random.
         for speed in np.maximum(speeds, NEGLIGIBLE_SPIN * speeds[-1]).tolist():
-            linear = linearize(model, SteadyRotation(speed * axis, rotation.center))
+            linear = linear_at(speed)
             found.append(_slowest_in_space(linear, modes))
             work.advance()
         slow = LEAST_WHIRLING_SPIN * float(speeds[-1])
         if speeds[0] < slow:
-            turning = linearize(model, SteadyRotation(slow * axis, rotation.center))
-            whirling, _ = _slowest_in_space(turning, 2 * modes)
+            whirling, _ = _slowest_in_space(linear_at(slow), 2 * modes)
             still, grows_at_rest = found[0]
-            found[0] = _whirling_alike(still, whirling, slow), grows_at_rest
+            found[0] = whirling_alike(still, whirling, slow), grows_at_rest
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
-    highest = [frequency for point in points for _, frequency, _ in point]
-    return Campbell(speeds, tuple(_lines(points, modes)), grows, linear.validity(None, highest))
+    highest = [point.frequency for of_spin in points for point in of_spin]
+    if model.bearings:
+        # Whirl in unequal bearings may change its sense along a line: shapes tell what goes on.
+        lines = followed_lines(speeds, points, modes)
+    else:
+        lines = list(lines_by_whirl(points, modes))
+    return Campbell(speeds, tuple(lines), grows, linear.validity(None, highest))
 
 
-Point = tuple[str, float, float]
-"""whirl, frequency [Hz] and damping ratio of a mode"""
+def _linear_at(model: Model) -> Callable[[float], LinearModel]:
+    """What linearizes a model at a spin: in axes fixed in space where it has bearings."""
+    if model.bearings:
+        return lambda spin: rotor_at(model, spin)
+    rotation = model.settings.steady_rotation
+    if rotation is None or not np.any(rotation.angular_velocity):
+        with about(model.path):
+            raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
+    axis, center = rotation.angular_velocity, rotation.center
+    axis = axis / np.linalg.norm(axis)
+    return lambda spin: linearize(model, SteadyRotation(spin * axis, center))
 
 
 def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
@@ -195,51 +201,34 @@ def _slowest_in_space(linear: LinearModel, n: int) -> tuple[list[Point], bool]:
     asked = max(2 * n, MIN_MODES_SOUGHT)
     while True:
         modes = linear.modes(asked)
-        points = sorted(_points(linear, modes), key=lambda point: point[1])[:n]
+        # Lines that follow shapes need modes beyond the first, with which these change places.
+        kept = 2 * n if linear.in_space else n
+        points = sorted(_points(linear, modes), key=lambda point: point.frequency)[:kept]
         # All modes of the model have been found.
         if len(modes) < asked:
             break
         # Modes that have not been found are faster than this in space, too.
-        reach = (float(np.abs(modes.values[-1])) - linear.spin) / (2.0 * np.pi)
-        if len(points) == n and points[-1][1] <= reach:
+        carried = 0.0 if linear.in_space else linear.spin
+        reach = (float(np.abs(modes.values[-1])) - carried) / (2.0 * np.pi)
+        if len(points) >= n and points[n - 1].frequency <= reach:
             break
         asked *= 2
     return points, bool(modes.unstable.any())
 
 
-def _whirling_alike(points: Sequence[Point], whirling: Sequence[Point], spin: float) -> list[Point]:
-    """Points at rest with the whirl of those nearest to them at a small spin.
-
-    A mode at rest in one of two unequal planes is half forward, half backward; its line goes on
-    with one of them.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    near = MAX_CHANGE_PER_SPIN * spin / (2.0 * np.pi)
-    at_rest = [k for k, point in enumerate(points) if point[0] != NONE]
-    others = [point for point in whirling if point[0] != NONE]
-    apart = np.abs(
-        np.subtract.outer([points[k][1] for k in at_rest], [point[1] for point in others])
-    )
-    found = list(points)
-    for row, column in zip(*linear_sum_assignment(np.minimum(apart, near)), strict=True):
-        if apart[row, column] < near:
-            k = at_rest[row]
-            found[k] = (others[column][0], *points[k][1:])
-    return found
-
-
 def _points(linear: LinearModel, modes: LinearModes) -> Iterator[Point]:
     spin = linear.spin
     for members in _alike(modes):
-        for whirl, value in _whirls(linear, modes, members):
+        for whirl, value, shape in _whirls(linear, modes, members):
             omega = abs(value.imag)
-            seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
-            if whirl != NONE:
+            seen = omega
+            if not linear.in_space:
+                seen = {FORWARD: spin + omega, BACKWARD: spin - omega, NONE: omega}[whirl]
+            if whirl != NONE and not linear.in_space:
                 # A backward mode that is slower than the spin is carried forward by it.
                 whirl = FORWARD if seen > 0.0 else BACKWARD
             if omega > 0.0:
-                yield whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value)
+                yield Point(whirl, abs(seen) / (2.0 * np.pi), -value.real / abs(value), shape)
 
 
 def _alike(modes: LinearModes) -> Iterator[list[int]]:
@@ -257,8 +246,8 @@ def _alike(modes: LinearModes) -> Iterator[list[int]]:
 
 def _whirls(
     linear: LinearModel, modes: LinearModes, members: list[int]
-) -> Iterator[tuple[str, complex]]:
-    """Whirl and eigenvalue of modes that nearly coincide.
+) -> Iterator[tuple[str, complex, Complex]]:
+    """Whirl, eigenvalue and shape of modes that nearly coincide.
 
     Their motions y + i z = p exp(i omega t) + m exp(-i omega t) are combined to those in which
     |p|^2 - |m|^2 over the axis is least and largest: so two planes at rest become two circles.
@@ -266,7 +255,8 @@ def _whirls(
     form, pose = linear.first_order, linear.equations.pose
     y = modes.y[:, members]
     # Of coinciding modes any combination is a mode: those of unit kinetic energy are comparable.
-    R = np.linalg.qr(form.coordinates @ y)[1]  # the inertia is a unit matrix there
+    a = form.coordinates @ y  # the inertia is a unit matrix there
+    R = np.linalg.qr(a)[1]
     if np.linalg.cond(R) > MAX_MODE_CONDITION:
         R = np.eye(len(members))
     motion = linear.motion(y @ np.linalg.inv(R))
@@ -278,10 +268,11 @@ def _whirls(
     for x in combined.T:
         p, m = (float((np.abs(part @ x) ** 2).sum()) for part in (with_spin, against))
         value = complex(x.conj() @ values @ x)
+        shape = a @ np.linalg.solve(R, x)
         if p + m <= MIN_AXIS_SHARE * float((x.conj() @ whole @ x).real):
-            yield NONE, value
+            yield NONE, value, shape
         else:
-            yield FORWARD if p >= m else BACKWARD, value
+            yield FORWARD if p >= (1.0 - EVEN_CIRCLES) * m else BACKWARD, value, shape
 
 
 def _square(matrix: Complex) -> Complex:
@@ -296,7 +287,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     all points, whose turning about the axis and motion along it counts: torsion does not whirl.
     """
     size, axis = pose.system.bodies.size, pose.angular_velocity / pose.speed
-    first, second = _across(axis)
+    first, second = across(axis)
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
     near = off <= ON_AXIS * size
@@ -307,22 +298,9 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     return y + 1j * z, y - 1j * z, _square(everything.reshape(-1, everything.shape[2]))
 
 
-def _across(axis: Array) -> tuple[Array, Array]:
+def across(axis: Array) -> tuple[Array, Array]:
     """Two axes across, in the sense of a rotation about it."""
     # The coordinate axis that is farthest from parallel to it.
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first)
-
-
-def _lines(points: Sequence[Sequence[Point]], n: int) -> Iterator[Line]:
-    """Lines of the modes of each kind of whirl, by their order."""
-    found = []
-    for whirl in (FORWARD, BACKWARD, NONE):
-        sets = [[p for p in spin if p[0] == whirl] for spin in points]
-        for k in range(max(map(len, sets))):
-            rows = [one[k][1:] if k < len(one) else (np.nan, np.nan) for one in sets]
-            frequencies, ratios = np.array(rows).T
-            found.append(Line(whirl, frequencies, ratios))
-    found.sort(key=lambda line: float(np.nanmin(line.frequencies)))
-    yield from found

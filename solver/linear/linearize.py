@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -41,6 +41,9 @@ class LinearModel:
     model : Model
     rotation : SteadyRotation, optional
     """
+
+    in_space: ClassVar[bool] = False
+    """amplitudes are those that an observer sees who does not turn"""
 
     model: Model
     rotation: SteadyRotation | None = None

@@ -4,6 +4,8 @@ What stands in space, bearings, gravity, loads that do not follow, must look the
 mechanism at every time. That is so where it is alike all round the axis.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -31,15 +33,10 @@ def check_constant(equations: Equations) -> None:
     pose = equations.pose
     if pose.speed == 0.0:
         return
-    arrays = (*pose.state.arrays(), *pose.work.drives.arrays())
-    saved = [array.copy() for array in arrays]
     before = _rigid_response(equations)
-    _turn(pose)
-    balanced = _balance(equations)
-    after = _rigid_response(equations_of(pose)) if balanced else before
-    for array, old in zip(arrays, saved, strict=True):
-        array[:] = old
-    pose.evaluate(pose.system)
+    with turned(equations) as other:
+        balanced = other is not None
+        after = before if other is None else _rigid_response(other)
     size = _sizes(before, pose.system.bodies.size)
     if (
         not balanced
@@ -50,6 +47,24 @@ def check_constant(equations: Equations) -> None:
             f"steady rotation of {pose.angular_velocity.tolist()} rad/s: {what} with the angle "
             "of rotation: supports and loads must be symmetric about the axis"
         )
+
+
+@contextmanager
+def turned(equations: Equations, angle: float = PROBE_TURN) -> Iterator[Equations | None]:
+    """The equations when all bodies have turned on by an angle [rad]; None where nothing balances.
+
+    The state of their pose is put back at the end: what follows from it belongs into the block.
+    """
+    pose = equations.pose
+    arrays = (*pose.state.arrays(), *pose.work.drives.arrays())
+    saved = [array.copy() for array in arrays]
+    _turn(pose, angle)
+    try:
+        yield equations_of(pose) if _balance(equations) else None
+    finally:
+        for array, old in zip(arrays, saved, strict=True):
+            array[:] = old
+        pose.evaluate(pose.system)
 
 
 def _rigid_response(equations: Equations) -> Any:
@@ -69,11 +84,11 @@ def _sizes(response: Any, length: float) -> Array:
     return sizes
 
 
-def _turn(pose: Pose) -> None:
+def _turn(pose: Pose, angle: float) -> None:
     """Turn all bodies, and drives with them, as the rotation goes on."""
     axis = pose.angular_velocity / pose.speed
     turn, Q, product = np.empty(4), np.empty((3, 3)), np.empty(4)
-    quaternion_exponential(PROBE_TURN * axis, turn)
+    quaternion_exponential(angle * axis, turn)
     quaternion_matrix(turn, Q)
     motion = pose.state.bodies
     motion.x[:] = pose.center + (motion.x - pose.center) @ Q.T
@@ -83,7 +98,7 @@ def _turn(pose: Pose) -> None:
         quaternion_matrix(product, motion.R[b])
     for array in (motion.v, motion.v_dot):
         array[:, :3] = array[:, :3] @ Q.T
-    pose.work.drives.value[:] += pose.work.drives.rate * PROBE_TURN / pose.speed
+    pose.work.drives.value[:] += pose.work.drives.rate * angle / pose.speed
 
 
 def _balance(equations: Equations) -> bool:

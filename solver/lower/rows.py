@@ -10,7 +10,7 @@ from ..couplings.rows import Row
 from ..signals.signal import SmoothSignal
 from ..step.records.contacts import Friction
 from ..step.records.couplings import Couplings, Rows, Terms
-from ..step.records.laws import Laws, Motors
+from ..step.records.laws import Laws, Motors, SpinTables
 
 
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
@@ -128,6 +128,25 @@ def _lay_out_laws(rows: Sequence[Row]) -> Laws:
         memory=as_index(np.cumsum([0, *(len(law.memories()) for law in laws)])),
         motor=_numbers([row.motor is not None for row in rows]),
         motors=_lay_out_motors(rows),
+        tables=_lay_out_tables(rows),
+    )
+
+
+def _lay_out_tables(rows: Sequence[Row]) -> SpinTables:
+    tables = [row.over_spin for row in rows if row.over_spin is not None]
+    # The row of the spin is the first one after them that has no table.
+    spin = [
+        next(k for k in range(i, len(rows)) if rows[k].over_spin is None)
+        for i, row in enumerate(rows)
+        if row.over_spin is not None
+    ]
+    return SpinTables(
+        of=_numbers([row.over_spin is not None for row in rows]),
+        spin=as_index(spin),
+        first=as_index(np.cumsum([0, *(len(table.speeds) for table in tables)])),
+        speed=np.concatenate([np.empty(0), *(table.speeds for table in tables)]),
+        stiffness=np.concatenate([np.empty((0, 2)), *(table.stiffness for table in tables)]),
+        damping=np.concatenate([np.empty((0, 2)), *(table.damping for table in tables)]),
     )
 
 

@@ -13,6 +13,7 @@ from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
 from ...inputs import Table, Vector, document_of, quoted, read_table, rule, toml_of
 from ...superelement import Superelement, read
+from ..couplings.bearings import Bearing
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
 from ..couplings.friction import FRICTION_COEFFICIENTS
@@ -145,6 +146,7 @@ TABLES_OF_ARRAYS: dict[str, Callable[[Sequence[str]], Any]] = {
     "stops": lambda tags: table_of(Stop),
     "motors": lambda tags: table_of(Motor),
     "couplers": lambda tags: table_of(Coupler),
+    "bearings": lambda tags: table_of(Bearing),
     "fmus": lambda tags: table_of(FMU),
 }
 """the arrays of tables, in the order in which they are written, and what makes the table of an item

@@ -9,6 +9,7 @@ from typing import Any
 
 from ...files.html import listed, table
 from ...inputs import FORM_OF_NAMES, is_name, quoted
+from ..couplings.bearings import Bearing
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
 from ..couplings.coupling import GROUND, Coupling
@@ -27,7 +28,7 @@ from .loads import AnyLoad, Load, PatternLoad
 from .settings import Settings
 from .summary import counted, rows
 
-Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler
+Named = Joint | Spring | PrescribedMotion | Contact | Stop | Motor | Coupler | Bearing
 
 
 @entry()
@@ -40,7 +41,7 @@ class Model(Entry):
     ----------
     bodies : mapping of RigidBody, FlexibleBody or RigidSuperelement
         By name.
-    joints, loads, springs, motions, contacts, stops, motors, couplers : sequence
+    joints, loads, springs, motions, contacts, stops, motors, couplers, bearings : sequence
     surface_contacts, fmus : sequence
     gravity : (3,) [m/s^2]
         The acceleration of a free body.
@@ -75,6 +76,7 @@ class Model(Entry):
     stops: Several[Stop] = NO_ITEMS
     motors: Several[Motor] = NO_ITEMS
     couplers: Several[Coupler] = NO_ITEMS
+    bearings: Several[Bearing] = NO_ITEMS
     surface_contacts: Several[SurfaceContact] = NO_ITEMS
     fmus: Several[FMU] = NO_ITEMS
     gravity: Vector = ZERO_VECTOR
@@ -111,7 +113,7 @@ class Model(Entry):
         """Loads and couplings, the entries of each kind by its key in model files."""
         kinds = (
             *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
-            "fmus",
+            *("bearings", "fmus"),
         )
         parts = {kind: getattr(self, kind) for kind in kinds}
         # Files, and so their readers, know one array of contacts.
@@ -153,6 +155,7 @@ class Model(Entry):
             *self.stops,
             *self.motors,
             *self.couplers,
+            *self.bearings,
         )
         return tuple(part.bound(joints) for part in parts)
 
@@ -190,6 +193,7 @@ class Model(Entry):
             "stop": self.stops,
             "motor": self.motors,
             "coupler": self.couplers,
+            "bearing": self.bearings,
             "surface_contact": self.surface_contacts,
             "fmu": self.fmus,
         }

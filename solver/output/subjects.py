@@ -53,7 +53,9 @@ class Subjects:
         self.bearing = _bearing(lowered)
         """the constraint rows that measure lengths, whose multipliers are forces"""
         self.bearings = distinct(self.coupling[self.bearing])
-        self.springs = distinct(self.coupling[(couplings.compliant == 1) & ~driven])
+        feeds = np.array([coupling.may_feed for coupling in lowered.model.couplings], dtype=bool)
+        passive = (couplings.compliant == 1) & ~driven & ~feeds[self.coupling]
+        self.springs = distinct(self.coupling[passive])
         self.contacts = couplings.contact
         self.rises = _rises(lowered)
         self.hertzian, self.patches = _hertzian(lowered)

@@ -192,10 +192,21 @@ def shortest(matrix: Array) -> Any:
     return diagonal.tolist() if diagonal.any() and len(diagonal) > 1 else float(diagonal[0])
 
 
+def of_bearing(matrices: Array) -> Any:
+    """Matrices (n, 2, 2) of a bearing as a file gives them: one by rows, several by a row each."""
+    if not matrices.any():
+        return 0.0
+    return matrices[0].tolist() if len(matrices) == 1 else matrices.reshape(-1, 4).tolist()
+
+
 _Point = Annotated[tuple[float, float], expected("two numbers")]
 _Coefficients = Annotated[
     float | tuple[float, ...] | tuple[tuple[float, ...], ...],
     expected("a number, six numbers or a 6x6 matrix"),
+]
+_BearingCoefficients = Annotated[
+    float | tuple[float, ...] | tuple[tuple[float, ...], ...],
+    expected("a number, two numbers, a 2x2 matrix, or a row of four for each speed"),
 ]
 _Inertia = Annotated[
     inputs.Vector | tuple[inputs.Vector, inputs.Vector, inputs.Vector],
@@ -262,6 +273,7 @@ if TYPE_CHECKING:
     Vector = Converted[Array, ArrayLike]
     Inertia = Vector
     Coefficients = Vector
+    BearingCoefficients = Vector
     Direction = Converted[Array, ArrayLike | str]
     AxisOrVector = Direction
     OptionalDirection = Converted[Array | None, ArrayLike | str | None]
@@ -299,3 +311,6 @@ else:
     _INERTIA = "three principal values or a symmetric 3x3 matrix"
     Inertia = Annotated[np.ndarray, FieldSpec(_INERTIA, inertia, _Inertia, shortest)]
     Coefficients = Annotated[np.ndarray, FieldSpec("numbers", array, _Coefficients, shortest)]
+    BearingCoefficients = Annotated[
+        np.ndarray, FieldSpec("numbers", array, _BearingCoefficients, of_bearing)
+    ]

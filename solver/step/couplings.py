@@ -36,6 +36,7 @@ from .friction import (
 from .measure import SUM_ROUNDING, relative
 from .records.couplings import Couplings
 from .records.frames import Frames
+from .records.laws import Laws
 from .rows import (
     ATTITUDE,
     ROTATION,
@@ -46,6 +47,7 @@ from .rows import (
     measures_length,
     slips,
 )
+from .spin_tables import added_coefficients, elastic_table_force, table_slope_by_spin
 from .system import State, System, Workspace
 from .terms import (
     add_convective_terms,
@@ -207,6 +209,7 @@ def spring_energy(couplings: Couplings, j: int, state: State, work: Workspace) -
             for k in range(first, last):
                 other = c[k] - laws.rest[k]
                 total += 0.5 * stretch * laws.stiffness[i, k - first] * other
+            total += 0.5 * stretch * elastic_table_force(laws, i, first, work)
             _, _, _, energy = law_of_row(laws, i, state, work)
             total += energy
     return total
@@ -303,6 +306,24 @@ def _set_residual_derivative(
         damping = h * h * (laws.damping[i, j - first] + (rate_slope if i == j else 0.0))
         for z in range(24):
             out[z] += stiffness * derivatives.B[j, z] + damping * derivatives.B_rate[j, z]
+    if laws.tables.of[i] >= 0:
+        _add_table_derivative(laws, i, first, h, work)
+
+
+@compiled
+def _add_table_derivative(laws: Laws, i: int, first: int, h: float, work: Workspace) -> None:
+    """A[i] += h^2 times the derivative of what the table of row i adds to its force."""
+    t, derivatives = laws.tables.of[i], work.couplings
+    s, out = laws.tables.spin[t], derivatives.A[i]
+    for j in range(2):
+        stiffness, damping = added_coefficients(laws.tables, t, j, derivatives.rate[s])
+        for z in range(24):
+            out[z] += h * h * stiffness * derivatives.B[first + j, z]
+            out[z] += h * h * damping * derivatives.B_rate[first + j, z]
+    # The coefficients themselves change with the rate of the angle.
+    by_spin = h * h * table_slope_by_spin(laws, i, first, work)
+    for z in range(24):
+        out[z] += by_spin * derivatives.B_rate[s, z]
 
 
 @compiled

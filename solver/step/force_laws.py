@@ -6,6 +6,7 @@ from .measure import SUM_ROUNDING
 from .motors import motor_law, settle_motors
 from .records.laws import Laws
 from .rows import measures_length
+from .spin_tables import table_force
 from .system import State, System, Workspace
 
 
@@ -22,8 +23,9 @@ def set_law_residual(
         total += elastic + viscous
         magnitude += abs(elastic) + abs(viscous)
     force, _, _, _ = law_of_row(laws, i, state, work)
-    out.phi[i] = total + force
-    out.scale[i] = magnitude + abs(force)
+    by_spin, scale = table_force(laws, i, first, work)
+    out.phi[i] = total + force + by_spin
+    out.scale[i] = magnitude + abs(force) + scale
     m = laws.motor[i]
     if m >= 0:
         out.scale[i] += work.motors.scale[m]

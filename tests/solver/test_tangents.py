@@ -9,6 +9,7 @@ import pytest
 from duhamel.solver import (
     JOINTS,
     LOADS,
+    Bearing,
     Constant,
     ConstantVelocity,
     ConvergenceError,
@@ -526,6 +527,19 @@ def test_the_newton_matrix_of_force_laws(make_body, law):
     point.work.interfaces.u_predicted[:] = point.state.interfaces.u
     point.evaluated()
     assert_newton_matrix(point, 1e-8)  # laws bend within the differences
+
+
+def test_the_newton_matrix_of_bearings(make_body):
+    """Constant, and by a table over the rate of an angle, both with cross coupling."""
+    bodies = {"a": make_body("flexible", 5), "b": make_body("rigid", 7)}
+    cross, table = [[5.0, 2.0], [-1.0, 7.0]], np.arange(8.0).reshape(2, 4)
+    bearings = (
+        Bearing("still", ("b.i1", "a.i1"), AXIS, stiffness=cross, damping=[[0.3, 0.1], [0.2, 0]]),
+        Bearing("film", ("a.i0", "b.i0"), AXIS, table, table[::-1] ** 2, speeds=[-40.0, 50.0]),
+    )
+    settings = Settings(t_end=1.0, step=1e-2, rho_inf=0.8)
+    point = Point.of(Model(bodies, bearings=bearings, settings=settings), seed=4)
+    assert_newton_matrix(point, h=1e-4)  # the rate of an angle is no polynomial
 
 
 @pytest.mark.parametrize("rule", ["consistent", "paper"])

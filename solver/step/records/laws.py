@@ -25,6 +25,23 @@ class Motors(Struct):
     """rate at which the integral follows a limit, 0: no integral or no limit [1/s]"""
 
 
+class SpinTables(Struct):
+    """What the spin of a shaft adds to the laws of rows of bearings (step/spin_tables.py)."""
+
+    of: Index = array("n_i")
+    """table of each row, -1: none"""
+    spin: Index = array("n_tables")
+    """row whose rate is the spin; two rows of the same coupling before it have the coefficients"""
+    first: Index = array("n_tables_1")
+    """first speed of each table"""
+    speed: Array = array("n_speeds")
+    """increasing within a table [rad/s]"""
+    stiffness: Array = array("n_speeds", 2)
+    """added to the stiffness against the two rows [N/m]"""
+    damping: Array = array("n_speeds", 2)
+    """added to the damping against the two rows [N s/m]"""
+
+
 class Laws(Struct):
     """Force laws of compliant rows: a linear one of all rows of a coupling, and some of each row.
 
@@ -54,6 +71,7 @@ class Laws(Struct):
     motor: Index = array("n_i")
     """motor of each row, -1: none"""
     motors: Motors
+    tables: SpinTables
 
 
 class MotorState(Struct):

@@ -1,0 +1,237 @@
+"""Rotors on bearings in axes fixed in space, beside closed forms, ROSS and time integration.
+
+The references of ROSS are those of ross-rotordynamics 2.3.0 for the rotor of Friswell et al.
+(2010), example 5.9.1: six Timoshenko elements, two disks, bearings at the ends; rad/s and m.
+"""
+
+import duhamel as du
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Bearing,
+    Frame,
+    Model,
+    ModelError,
+    RigidBody,
+    Start,
+    SteadyRotation,
+    campbell,
+    rotor_at,
+    stability_map,
+    unbalance_response,
+)
+from scipy.spatial.transform import Rotation
+
+MASS, DIAMETRAL, POLAR = 10.0, 0.1, 0.2
+K, C = np.array([[1e5, 2e4], [-2e4, 2e5]]), np.array([[60.0, 5.0], [0.0, 90.0]])
+LEFT, RIGHT = -0.2, 0.3
+SPEED = 4000.0 * np.pi / 30.0
+ROSS = {
+    "equal": (1e6, 0.0, 1e-3, [86.658114j, 86.658114j, 274.312854j, 274.312854j]),
+    "equal, spinning": (1e6, 0.0, SPEED, [85.389467j, 87.795864j, 251.784604j, 294.713331j]),
+    "unequal, damped": (
+        *([1e6, 8e5], 100.0, SPEED),
+        [-0.184318 + 82.326426j, -0.156723 + 86.864284j, -2.527236 + 239.65209j,
+         -2.639486 + 287.267342j],
+    ),
+    "cross-coupled": (
+        *([[1e6, 5e5], [-5e5, 1e6]], 2e3, SPEED),
+        [5.474998 + 89.201138j, -8.971006 + 89.591011j, -7.557607 + 293.782244j,
+         -83.870508 + 286.032493j],
+    ),
+}  # fmt: skip
+"""stiffness, damping, spin, and eigenvalues; at a spin of 0 in ROSS"""
+
+
+def rigid_rotor(turn=None, inertia=(DIAMETRAL, DIAMETRAL, POLAR), **bearing):
+    """A disk between two bearings; turn: of everything in space."""
+    R = Rotation.from_rotvec([0.0, 0.0, 0.0] if turn is None else turn)
+    ends = {"left": [0.0, 0.0, LEFT], "right": [0.0, 0.0, RIGHT]}
+    start = Start(rotation=R.as_rotvec())
+    disk = RigidBody(MASS, inertia, {name: Frame(x) for name, x in ends.items()}, start=start)
+    axes = {"axis": R.apply([0.0, 0.0, 1.0]), "second_axis": R.apply([1.0, 0.0, 0.0])}
+    films = [
+        Bearing(name, [f"ground.{name}", f"disk.{name}"],
+                **({"stiffness": K, "damping": C} | axes | bearing))
+        for name in ends
+    ]  # fmt: skip
+    ground = {name: Frame(R.apply(x), R.as_rotvec()) for name, x in ends.items()}
+    return Model({"disk": disk}, bearings=films, ground_frames=ground)
+
+
+def equations(spin):
+    """M x'' + (C + G) x' + K x = 0 in x = (y, z, rotations about both)."""
+    stiffness, damping = np.zeros((2, 4, 4))
+    for place in (LEFT, RIGHT):
+        B = np.array([[1.0, 0.0, 0.0, place], [0.0, 1.0, -place, 0.0]])
+        stiffness += B.T @ K @ B
+        damping += B.T @ C @ B
+    damping[2, 3] += POLAR * spin
+    damping[3, 2] -= POLAR * spin
+    return np.diag([MASS, MASS, DIAMETRAL, DIAMETRAL]), damping, stiffness
+
+
+def eigenvalues(spin):
+    M, D, S = equations(spin)
+    inverse = np.linalg.inv(M)
+    A = np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ S, -inverse @ D]])
+    values = np.linalg.eigvals(A)
+    values = values[values.imag > 0.0]
+    return values[np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize("turn", [None, [0.3, -1.0, 0.7]])
+@pytest.mark.parametrize("spin", [1e-3, 300.0])
+def test_modes_of_a_rigid_rotor_on_unequal_bearings(spin, turn):
+    modes = rotor_at(rigid_rotor(turn), spin).modes()
+    np.testing.assert_allclose(modes.values[modes.rigid :], eigenvalues(spin), rtol=1e-7)
+
+
+def test_unbalance_of_a_rigid_rotor_in_closed_form():
+    """An unbalance at the end, so that it moves and tilts the disk."""
+    spins, u = [60.0, 141.0, 400.0], 1e-3 * np.exp(0.4j)
+    response = unbalance_response(rigid_rotor([0.3, -1.0, 0.7]), {"disk.right": u}, spins)
+    expected = []
+    for spin in spins:
+        M, D, S = equations(spin)
+        force = u * spin**2 * np.array([1.0, -1j, RIGHT * 1j, RIGHT])
+        expected.append(np.linalg.solve(S + 1j * spin * D - spin**2 * M, force)[:2])
+    moved = response.motion[:, response.names.index("disk")]
+    np.testing.assert_allclose(moved, expected, rtol=1e-7)
+
+
+def hub_rotor(**film):
+    """A disk in one bearing at its center, free to tilt."""
+    bearing = Bearing("film", ["ground.hub", "disk"], [0.0, 0.0, 1.0], **film)
+    disk = RigidBody(MASS, [DIAMETRAL, DIAMETRAL, POLAR])
+    return Model({"disk": disk}, bearings=[bearing], ground_frames={"hub": Frame()})
+
+
+def test_the_largest_orbit_is_found_between_the_speeds_of_a_sweep():
+    """At omega / sqrt(1 - 2 zeta^2), u / (m 2 zeta sqrt(1 - zeta^2))."""
+    stiffness, damping, u = 2e5, 140.0, 1e-3
+    omega, zeta = np.sqrt(stiffness / MASS), 0.5 * damping / np.sqrt(stiffness * MASS)
+    model = hub_rotor(stiffness=stiffness, damping=damping)
+    response = unbalance_response(model, {"disk": u}, np.linspace(120.0, 160.0, 41).tolist())
+    ((spin, size),) = response.peaks("disk")
+    assert spin == pytest.approx(omega / np.sqrt(1.0 - 2.0 * zeta**2), rel=1e-4)
+    assert size == pytest.approx(u / MASS / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-3)
+
+
+def test_cross_coupling_that_grows_with_the_spin_makes_a_threshold():
+    """m c'' + c_e c' + k c = alpha Omega (e_3 x c) grows above alpha Omega = c_e sqrt(k / m)."""
+    alpha, damping, stiffness = 50.0, 120.0, 1e5
+    model = hub_rotor(
+        speeds=[0.0, 800.0],
+        stiffness=[[stiffness, alpha * s, -alpha * s, stiffness] for s in (0.0, 800.0)],
+        damping=[[damping, 0.0, 0.0, damping]] * 2,
+    )
+    found = stability_map(model, [100.0, 200.0, 300.0, 700.0])
+    threshold = damping * np.sqrt(stiffness / MASS) / alpha
+    assert found.thresholds.tolist() == pytest.approx([threshold], rel=1e-7)
+    assert found.unstable.tolist() == [False, False, True, True]
+
+
+def test_lines_go_on_where_the_sense_of_their_whirl_changes():
+    """Cross coupling turns a backward mode forward; by whirl its line would jump to another."""
+    film = [[1e5, s, -s, 1.4e5] for s in (0.0, 4e4)]
+    model = rigid_rotor(speeds=[0.0, 400.0], stiffness=film, damping=[[80.0, 0.0, 0.0, 80.0]] * 2)
+    spins = np.linspace(0.0, 400.0, 9)
+    lines = campbell(model, spins.tolist(), 4).lines
+    assert "mixed" in {line.whirl for line in lines}
+    frequencies = np.array([line.frequencies for line in lines])
+    assert np.isfinite(frequencies).all()
+    assert (np.abs(np.diff(frequencies, axis=1)) < 0.16 * frequencies[:, 1:]).all()
+    for spin, found in zip(spins[1:].tolist(), frequencies.T[1:], strict=True):
+        modes = rotor_at(model, spin).modes()
+        np.testing.assert_allclose(np.sort(found), modes.frequencies[modes.rigid :], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"inertia": (0.1, 0.12, 0.2)}, "not alike all round the axis"),
+        ({"turn": [0.1, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, "axis: expected that of the rotor"),
+        ({"speeds": [0.0, 40.0], "stiffness": [[1.0, 0.0, 0.0, 1.0]] * 2, "damping": 0.0},
+         "bearing 'left': speeds: 50 rad/s is beyond its table, from 0 to 40"),
+    ],
+)  # fmt: skip
+def test_what_rotors_refuse(change, message):
+    model = rigid_rotor(**change)
+    if "turn" in change:
+        rotation = SteadyRotation(Rotation.from_rotvec(change["turn"]).apply([0.0, 0.0, 1.0]))
+        model = model.with_settings(start="equilibrium", steady_rotation=rotation)
+    with pytest.raises(ModelError, match=message):
+        rotor_at(model, 50.0)
+
+
+@pytest.fixture(scope="module")
+def shaft():
+    """1.5 m of steel of 50 mm, with the shear factor of ROSS."""
+    E, G, rho, d = 211e9, 81.2e9, 7810.0, 0.05
+    A, J, shear = np.pi * d**2 / 4.0, np.pi * d**4 / 64.0, 0.8863063567628116
+    section = du.Section(
+        EA=E * A, EI_y=E * J, EI_z=E * J, GJ=2.0 * G * J, GA_y=shear * G * A, GA_z=shear * G * A,
+        mass_per_length=rho * A, rotary_inertia_y=rho * J, rotary_inertia_z=rho * J,
+        polar_inertia_per_length=2.0 * rho * J,
+    )  # fmt: skip
+    part = du.Beam([[x, 0.0, 0.0] for x in np.linspace(0.0, 1.5, 7)], section=section)
+    for name, x in {"left": 0.0, "one": 0.5, "two": 1.0, "right": 1.5}.items():
+        part.interface(name, [x, 0.0, 0.0])
+    part.rotation(modes=8, soft=8)
+    return part.superelement(step=1e-4)
+
+
+def two_disks(shaft, stiffness, damping):
+    m = du.Mechanism()
+    left, right = m.ground.frame("left"), m.ground.frame("right", [1.5, 0.0, 0.0])
+    rotor = m.add(shaft, name="shaft", place={"left": left}, second_order="full")
+    for name, diameter in {"one": 0.28, "two": 0.35}.items():
+        rho, d, width = 7810.0, 0.05, 0.07
+        mass = rho * width * np.pi / 4.0 * (diameter**2 - d**2)
+        polar = mass / 8.0 * (diameter**2 + d**2)
+        inertia = [polar, *[0.5 * polar + mass * width**2 / 12.0] * 2]
+        disk = m.add(du.RigidBody(mass, inertia), name=name, place={"": rotor[name]})
+        m.add(du.joints.Fixed(rotor[name], disk))
+    for name, support in {"left": left, "right": right}.items():
+        m.add(du.springs.bearing(support, rotor[name], "x", stiffness=stiffness, damping=damping,
+                                 second_axis="y", name=name))  # fmt: skip
+    return m
+
+
+@pytest.mark.parametrize("case", ROSS)
+def test_modes_of_a_rotor_with_two_disks_are_those_of_ross(shaft, case):
+    stiffness, damping, spin, expected = ROSS[case]
+    values = rotor_at(two_disks(shaft, stiffness, damping).model(), spin).modes(12).values
+    for value in expected:
+        assert np.abs(values - value).min() < 1e-6 * abs(value)
+
+
+def test_unbalance_of_a_rotor_with_two_disks_is_that_of_ross(shaft):
+    """1 g m at the first disk, at 90 and 300 rad/s: y and z of the second disk."""
+    response = two_disks(shaft, [1e6, 8e5], 100.0).unbalance({"shaft.one": 1e-3}, [90.0, 300.0])
+    expected = [
+        [-1.39172101e-04 - 6.47117367e-06j, -2.08903916e-06 + 6.78015381e-05j],
+        [6.67918893e-05 + 1.23704526e-05j, 7.96937761e-06 - 4.28673810e-05j],
+    ]
+    moved = response.motion[:, response.names.index("two")]
+    np.testing.assert_allclose(moved, expected, rtol=2e-5)
+
+
+def test_a_ring_down_has_the_frequencies_and_the_decay_of_the_modes(shaft):
+    """Fitted to a run by its shift from sample to sample (ESPRIT), at 4000 turns per minute."""
+    m = two_disks(shaft, [1e6, 8e5], 2e3)
+    m.add(du.loads.Force(m["shaft"]["one"], "z", du.signals.HalfSine(2000.0, 2e-3, start=1e-3)))
+    rotation = SteadyRotation([SPEED, 0.0, 0.0])
+    run = m.simulate(0.4, step=1e-4, rho_inf=0.95, start="equilibrium", steady_rotation=rotation)
+    points = ("shaft.left", "shaft.one", "shaft.two")
+    y = np.hstack([run[name].position[60::10, 1:] for name in points])
+    blocks = np.array([y[k : k + 20].ravel() for k in range(len(y) - 20)]).T
+    space = np.linalg.svd(blocks, full_matrices=False)[0][:, :16]
+    shift = np.linalg.lstsq(space[: -y.shape[1]], space[y.shape[1] :], rcond=None)[0]
+    fitted = np.log(np.linalg.eigvals(shift)) / 1e-3
+    modes = rotor_at(two_disks(shaft, [1e6, 8e5], 2e3).model(), SPEED).modes(6)
+    slowest = modes.values[modes.values.imag > 0.0][:4]
+    assert slowest.real.max() < -1.0
+    for value in slowest:
+        assert np.abs(fitted - value).min() < 5e-4 * abs(value)
