@@ -331,13 +331,25 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
         source="multiplier",
     )
     """(n, k) force or moment of each component [N, N m]"""
-    _of_coordinates: dict[str, Array] = quantity(
-        ("m", "rad"),
-        "length or angle of each component",
-        name="coordinate",
-        of="spring_component",
-        attribute="coordinates",
-        source="coordinate",
+    _of_coordinates: dict[str, Array] = joined(
+        quantity(
+            ("m", "rad"),
+            "length or angle of each component",
+            name="coordinate",
+            of="spring_component",
+            attribute="coordinates",
+            source="coordinate",
+        ),
+        quantity(
+            ("m", "rad"),
+            "plastic deformation of each component",
+            name="permanent",
+            of="spring_component",
+            attribute="permanent",
+            source="permanent",
+            sparse=True,
+            since=11,
+        ),
     )
 
 
@@ -458,6 +470,15 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
     """each time that it was closed, counted at every step"""
     gap: Array = quantity("m", "gap, negative while closed", source="gap", section="Contacts")
     """(n,) gap, negative while closed [m]"""
+    dent: Array = quantity(
+        "m",
+        "depth of the dent that impacts have left",
+        source="dent",
+        sparse=True,
+        since=11,
+    )
+    """(n,) depth of the dent that impacts have left [m]; not in files before
+    version 11"""
     force: Array = quantity(
         "N", "force on the second body, along normal and tangents", "contact_axis", plot=""
     )
@@ -598,6 +619,15 @@ class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
         ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap"
     )
     """(n,) distance to the nearer limit, negative beyond it [m, rad]"""
+    dent: Array = quantity(
+        ("m", "rad"),
+        "depth of the dent at the nearer limit",
+        source="dent",
+        sparse=True,
+        since=11,
+    )
+    """(n,) depth of the dent at the nearer limit [m, rad]; not in files before
+    version 11"""
     force: Array = quantity(
         ("N", "N m"), "force or moment on the coordinate", source="normal_force", plot=""
     )
