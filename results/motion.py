@@ -230,7 +230,7 @@ class Coupling(Recorded):
         angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the
         coordinate and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows).
         """
-        others = {"multipliers", "force", "moment"}
+        others = {"multipliers", "force", "moment", "permanent"}
         return {name: array for name, array in vars(self).items() if name not in others}
 
     def __getattr__(self, name: str) -> Array:
@@ -331,26 +331,23 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
         source="multiplier",
     )
     """(n, k) force or moment of each component [N, N m]"""
-    _of_coordinates: dict[str, Array] = joined(
-        quantity(
-            ("m", "rad"),
-            "length or angle of each component",
-            name="coordinate",
-            of="spring_component",
-            attribute="coordinates",
-            source="coordinate",
-        ),
-        quantity(
-            ("m", "rad"),
-            "plastic deformation of each component",
-            name="permanent",
-            of="spring_component",
-            attribute="permanent",
-            source="permanent",
-            sparse=True,
-            since=11,
-        ),
+    _of_coordinates: dict[str, Array] = quantity(
+        ("m", "rad"),
+        "length or angle of each component",
+        name="coordinate",
+        of="spring_component",
+        attribute="coordinates",
+        source="coordinate",
     )
+    permanent: Array = quantity(
+        ("m", "rad"),
+        "plastic deformation of each component",
+        of="spring_component",
+        source="permanent",
+        sparse=True,
+        since=11,
+    )
+    """(n, k) plastic deformation of each component [m, rad]; not in files before version 11"""
 
 
 class CouplerMotion(Recorded, group="couplers", owner="coupler"):

@@ -13,9 +13,7 @@ from .law import Evaluation, ForceLaw, force_law
 SMALLEST_SLIP = 1e-4
 """deformation at which the first element slips, over that of macro-slip"""
 
-Chi = Annotated[
-    float, number("a number above -1, up to 10", float, lambda chi: -1.0 < chi <= 10.0)
-]
+Chi = Annotated[float, number("a number above -1, up to 10", float, lambda chi: -1.0 < chi <= 10.0)]
 Elements = Annotated[int, number("a number from 2 to 1000", int, lambda n: 2 <= n <= 1000)]
 
 

@@ -13,6 +13,7 @@ from duhamel.solver import (
     Constant,
     Coupler,
     DamperLaw,
+    ElastoplasticLaw,
     FlexibleBody,
     Force,
     Frame,
@@ -124,6 +125,7 @@ SPRINGS: dict[str, dict[str, Any]] = {
         "law": {
             "x": BoucWenLaw(0.01, 500.0, 0.1, 1.5, 0.7),
             "y": MaxwellLaw((0.01, 0.1), (50.0, 70.0)),
+            "z": (ElastoplasticLaw(2.0, 400.0, 0.1, 0.5), IwanLaw(3.0, 500.0)),
             "rx": DamperLaw(0.1, 0.3),
             "rz": TabulatedDamperLaw((0.0, 1.0, 3.0), (0.0, 0.2, 0.3)),
         },
