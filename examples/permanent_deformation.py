@@ -2,10 +2,10 @@
 
     python examples/permanent_deformation.py [FOLDER]
 
-throws a steel ball on a steel plane at speeds over four decades, and compares its restitution with
-the closed form of Thornton (1997); bends a plastic hinge by a blow, and compares the angle that stays
-with the balance of energy; shakes a bolted joint, and compares what a cycle loses with Segalman's
-power law (2005). Writes a picture to FOLDER, by default out/.
+throws a steel ball on a steel plane at speeds over three decades, and compares its restitution with
+the closed form of Thornton (1997); bends a plastic hinge by a blow, and compares the angle that
+stays with the balance of energy; shakes a bolted joint, and compares what a cycle loses with
+Segalman's power law (2005). Writes a picture to FOLDER, by default out/.
 """
 
 import math

@@ -99,4 +99,4 @@ def plastic_change(parameters: Array, memory: Array, c: float) -> float:
     if excess <= 0.0:
         return 0.0
     change = excess / (k + kinematic + isotropic)
-    return change if over > 0.0 else -change
+    return float(change if over > 0.0 else -change)

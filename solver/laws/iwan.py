@@ -1,4 +1,4 @@
-"""Bolted joints: micro-slip that grows to macro-slip, by Iwan's law with Segalman's distribution."""
+"""Bolted joints: micro-slip that grows to macro-slip, by Iwan's law as Segalman has it."""
 
 from collections.abc import Sequence
 from typing import Annotated

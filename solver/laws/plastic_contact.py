@@ -85,7 +85,7 @@ class PlasticContactLaw(ForceLaw):
         if deepest <= 0.0:
             return 0.0
         F, _ = loading(parameters, deepest)
-        return max(deepest - _recovery(parameters, deepest, F), 0.0)
+        return float(max(deepest - _recovery(parameters, deepest, F), 0.0))
 
 
 @compiled
@@ -99,7 +99,7 @@ def loading(parameters: Array, d: float) -> tuple[float, float]:
     """Force and slope at a penetration d > 0 that is the deepest so far."""
     K, n, limit = parameters[STIFFNESS], parameters[EXPONENT], parameters[YIELD_FORCE]
     N = K * d**n
-    if N <= limit:
+    if limit >= N:
         return N, n * N / d
     at_yield = (limit / K) ** (1.0 / n)
     slope = parameters[POST_YIELD] * n * limit / at_yield

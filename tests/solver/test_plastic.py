@@ -199,7 +199,7 @@ def test_the_residual_rotation_of_a_plastic_hinge_after_a_blow():
 
 
 def test_hardening_moves_or_widens_the_elastic_range():
-    """Reverse yield after loading to c: lower by 2 F where the range moves, at -f where it grows."""
+    """Reverse yield after loading to c: 2 F lower where the range moves, -f where it grows."""
     for isotropic, reverse in ((0.0, 14.0 - 20.0), (1.0, -14.0), (0.25, 14.0 - 22.0)):
         law = ElastoplasticLaw(10.0, 100.0, post_yield=0.2, isotropic=isotropic)
         path = Path(law)

@@ -18,6 +18,7 @@ from duhamel.solver import (
     Force,
     Frame,
     Harmonic,
+    IwanLaw,
     MaxwellLaw,
     Model,
     Motor,
