@@ -293,6 +293,16 @@ class Results:
             ) from error
         return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
+    def to_pandas(self, *quantities: str) -> Any:
+        """Quantities by their names in `plot` as a pandas.DataFrame, by time or frequency.
+
+        `*` in a name stands for anything: `results.to_pandas("velocity:*")`. `ExportError` without
+        pandas, and for quantities over different times or frequencies.
+        """
+        from .exports.data_frames import to_pandas
+
+        return to_pandas(self, quantities)
+
     def body(self, name: str) -> BodyMotion:
         """The motion of a body."""
         return self._of(BodyMotion, name)
@@ -385,6 +395,17 @@ class Results:
             return recovery.stress_modes
         except SuperelementError as error:
             raise RecoveryError(f"body {body!r}: {error}") from error
+
+    def stress_history(self, body: str, points: Any, rows: slice = ALL_ROWS) -> Array:
+        """Stresses (n, k, 6) [Pa] at some points of the recovery over the recorded steps.
+
+        points: numbers, or a slice, of points; `recoverable(body).nodes` has their nodes.
+        """
+        recovery, modal = self._modal_steps(body)
+        shapes = self._stress_modes(body, recovery)[points]
+        eta = modal.at(np.arange(modal.n)[rows], stress=True)
+        stress: Array = np.tensordot(eta, shapes, axes=(1, 2))
+        return stress
 
     def von_mises(self, body: str, t: Any) -> Array:
         """The equivalent stress at these points, (p,) or (k, p) [Pa]."""
