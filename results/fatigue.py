@@ -28,7 +28,7 @@ N_PLANES_AT_EDGES = 200
 """planes of all directions, 10 degrees apart, where a surface has an edge and no normal"""
 SMOOTH = 0.94
 """cosine of the angle between normals of facets and of their mean, above which it is no edge"""
-BATCH_NUMBERS = 1 << 22
+BATCH_NUMBERS = 1 << 19
 """of stresses in memory together"""
 SHARE_BELOW_R0 = 3.0
 """M over the mean stress sensitivity of pulsating tension, FKM guideline 4.4.2"""
@@ -163,7 +163,8 @@ def _damages(histories: Iterable[Array], line: WoehlerLine) -> Array:
     of_history = np.repeat(np.arange(len(cycles)), [len(amplitude) for amplitude, _ in cycles])
     # A call of pyLife takes a millisecond, so that the cycles of all histories are in one.
     each = line.damages(*(np.concatenate(parts) for parts in zip(*cycles, strict=True)))
-    return np.bincount(of_history, each, len(cycles))
+    total: Array = np.bincount(of_history, each, len(cycles)).astype(float)
+    return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +212,7 @@ def damage_field(
     line: WoehlerLine,
     criterion: Criterion = "normal",
     rows: slice = slice(None),
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> DamageField:
     """Compute the damage of a run at all points of the surface of a body.
 
@@ -230,7 +231,7 @@ def damage_field(
     rows : slice
         Of the recorded steps.
     progress : callable, optional
-        Told the share of the points that are done.
+        Told how many points are done now.
 
     Returns
     -------
@@ -265,7 +266,7 @@ def damage_field(
         starts = np.cumsum([0, *counts])[:-1]
         found[some] = np.maximum.reduceat(_damages(histories, line), starts)
         if progress is not None:
-            progress(some.stop / len(found))
+            progress(some.stop - first)
     return DamageField(body, recovery.points, found, recovery.nodes, float(time[-1] - time[0]))
 
 

@@ -72,6 +72,7 @@ def fatigue(
     from rich.console import Console
 
     from ... import files, results
+    from ...files.progress import Progress, Work
     from ...results.exports.damage import write_damage
     from ...results.fatigue import WoehlerLine, damage_field
     from ...results.steps import window
@@ -88,7 +89,16 @@ def fatigue(
             (name, "", value) for name, value in _of_quantities(read, quantities or (), line, rows)
         ]
         for body in bodies or ():
-            field = damage_field(read, body, line, criterion, rows)  # type: ignore[arg-type]
+            work = Work(f"damage of {body}", len(read.recoverable(body).points), "points")
+            with Progress(work):
+                field = damage_field(
+                    read,
+                    body,
+                    line,
+                    criterion,  # type: ignore[arg-type]
+                    rows,
+                    work.advance,
+                )
             found.append((body, _place(field), float(field.damage.max())))
             if output is not None:
                 written += write_damage(read, field, output, results_file.stem)
