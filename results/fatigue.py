@@ -21,14 +21,14 @@ from .errors import ExportError, RecoveryError, SeriesError
 from .results import Results
 
 Rule = Literal["elementary", "haibach", "original"]
-Criterion = Literal["normal", "mises", "principal"]
+CountedStress = Literal["normal", "mises", "principal"]
 N_PLANES = 18
 """planes through the normal of a surface on which cycles are counted: one for each 10 degrees"""
 N_PLANES_AT_EDGES = 200
 """planes of all directions, 10 degrees apart, where a surface has an edge and no normal"""
-SMOOTH = 0.94
+MIN_SMOOTH_COSINE = 0.94
 """cosine of the angle between normals of facets and of their mean, above which it is no edge"""
-BATCH_NUMBERS = 1 << 19
+MAX_STRESS_NUMBERS = 1 << 19
 """of stresses in memory together"""
 SHARE_BELOW_R0 = 3.0
 """M over the mean stress sensitivity of pulsating tension, FKM guideline 4.4.2"""
@@ -210,7 +210,7 @@ def damage_field(
     results: Results,
     body: str,
     line: WoehlerLine,
-    criterion: Criterion = "normal",
+    criterion: CountedStress = "normal",
     rows: slice = slice(None),
     progress: Callable[[int], None] | None = None,
 ) -> DamageField:
@@ -244,8 +244,8 @@ def damage_field(
     RecoveryError
         Where the run does not give stresses.
     """
-    if criterion not in get_args(Criterion):
-        expected = ", ".join(get_args(Criterion))
+    if criterion not in get_args(CountedStress):
+        expected = ", ".join(get_args(CountedStress))
         raise SeriesError(f"criterion: expected one of {expected}, got {criterion!r}")
     _require_pylife()
     recovery, time = results.recoverable(body), results.time[rows]
@@ -253,7 +253,7 @@ def damage_field(
         raise SeriesError(f"fatigue: expected two or more recorded steps, found {len(time)}")
     planes = _planes(recovery, body) if criterion == "normal" else [None] * len(recovery.points)
     found = np.zeros(len(recovery.points))
-    batch = max(1, BATCH_NUMBERS // (6 * len(time)))
+    batch = max(1, MAX_STRESS_NUMBERS // (6 * len(time)))
     for first in range(0, len(found), batch):
         some = slice(first, min(first + batch, len(found)))
         stress = results.stress_history(body, some, rows)
@@ -300,7 +300,7 @@ def _planes(recovery: Recovery, body: str) -> list[Array | None]:
         np.minimum.at(flattest, corner, (vectors * n[corner]).sum(axis=1))
     everywhere = _hemisphere(N_PLANES_AT_EDGES)
     return [
-        _across(normal) if flat > SMOOTH else everywhere
+        _across(normal) if flat > MIN_SMOOTH_COSINE else everywhere
         for normal, flat in zip(n, flattest.tolist(), strict=True)
     ]
 

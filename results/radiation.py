@@ -26,7 +26,7 @@ AIR_SOUND_SPEED = 343.2
 """[m/s], there"""
 REFERENCE_POWER = 1e-12
 """[W], ISO 1683"""
-NEGLIGIBLE_SHARE = 1e-14
+NEGLIGIBLE_EIGENVALUE = 1e-14
 """eigenvalues of the quadratic form, over the largest, that are rounding"""
 NEAREST_NODE = 1e-9
 """distance of a node of a surface from its point, over the size of the body, that is rounding"""
@@ -149,7 +149,7 @@ def radiated_power(
     weights = density * sound_speed * np.repeat(areas / 3.0, 3)
     form = shapes.T @ (weights[:, None] * shapes)
     values, along = np.linalg.eigh(form)
-    kept = values > NEGLIGIBLE_SHARE * values[-1]
+    kept = values > NEGLIGIBLE_EIGENVALUE * values[-1]
     factor = along[:, kept] * np.sqrt(values[kept])
     return RadiatedPower(results.time, rates @ factor, float(areas.sum()))
 

@@ -293,16 +293,6 @@ class Results:
             ) from error
         return xarray.open_dataset(netcdf(self._source), engine="h5netcdf")
 
-    def to_pandas(self, *quantities: str) -> Any:
-        """Quantities by their names in `plot` as a pandas.DataFrame, by time or frequency.
-
-        `*` in a name stands for anything: `results.to_pandas("velocity:*")`. `ExportError` without
-        pandas, and for quantities over different times or frequencies.
-        """
-        from .exports.data_frames import to_pandas
-
-        return to_pandas(self, quantities)
-
     def body(self, name: str) -> BodyMotion:
         """The motion of a body."""
         return self._of(BodyMotion, name)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 SECONDS_PER_HOUR = 3600.0
 
-Quantities = Annotated[
+Histories = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="QUANTITY",
@@ -23,13 +23,17 @@ Quantities = Annotated[
         "of --limit.",
     ),
 ]
-Bodies = Annotated[
+StressedBodies = Annotated[
     list[str] | None,
-    typer.Option("--body", metavar="NAME", help="Bodies with stresses, of which all points count."),
+    typer.Option(
+        "--body", metavar="NAME", help="StressedBodies with stresses, of which all points count."
+    ),
 ]
-Limit = Annotated[float, typer.Option("--limit", metavar="PA", help="The amplitude at the knee.")]
-Cycles = Annotated[float, typer.Option("--cycles", help="The cycles to failure there.")]
-Slope = Annotated[float, typer.Option("--slope", help="k of the Woehler line above the knee.")]
+KneeAmplitude = Annotated[
+    float, typer.Option("--limit", metavar="PA", help="The amplitude at the knee.")
+]
+KneeCycles = Annotated[float, typer.Option("--cycles", help="The cycles to failure there.")]
+LineSlope = Annotated[float, typer.Option("--slope", help="k of the Woehler line above the knee.")]
 RuleName = Annotated[
     str, typer.Option("--rule", help="Miner's rule below it: elementary, haibach or original.")
 ]
@@ -42,24 +46,24 @@ CriterionName = Annotated[
         "--criterion", help="Of bodies: normal (critical plane), mises (with a sign) or principal."
     ),
 ]
-Folder = Annotated[
+DamageFolder = Annotated[
     Path | None, output_option("DIR", "Damage of all points, as tables and for ParaView.")
 ]
 
 
 def fatigue(
     results_file: ResultsFile,
-    limit: Limit,
-    quantities: Quantities = None,
-    bodies: Bodies = None,
-    cycles: Cycles = 1e6,
-    slope: Slope = 5.0,
+    limit: KneeAmplitude,
+    quantities: Histories = None,
+    bodies: StressedBodies = None,
+    cycles: KneeCycles = 1e6,
+    slope: LineSlope = 5.0,
     rule: RuleName = "elementary",
     mean_stress: MeanStress = 0.0,
     criterion: CriterionName = "normal",
     start: FromTime = None,
     end: ToTime = None,
-    output: Folder = None,
+    output: DamageFolder = None,
 ) -> None:
     """Count the rainflow cycles of stresses, and tell how often a run can be repeated.
 

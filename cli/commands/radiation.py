@@ -7,24 +7,26 @@ import typer
 from ..arguments import ResultsFile
 from ..failures import errors_in_one_line
 
-Body = Annotated[str, typer.Argument(metavar="BODY", help="A flexible body with [recovery].")]
+RadiatingBody = Annotated[
+    str, typer.Argument(metavar="BODY", help="A flexible body with [recovery].")
+]
 SurfaceName = Annotated[
     str, typer.Option("--surface", metavar="NAME", help="One of its [surfaces]; all unless given.")
 ]
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="The motion of the whole body radiates too, as on mounts.")
 ]
-Fraction = Annotated[
+BandFraction = Annotated[
     int, typer.Option("--fraction", metavar="B", help="Bands of 1/B of an octave: 1, 2, 3, 6, ...")
 ]
 
 
 def radiation(
     results_file: ResultsFile,
-    body: Body,
+    body: RadiatingBody,
     surface: SurfaceName = "",
     rigid: Rigid = False,
-    fraction: Fraction = 3,
+    fraction: BandFraction = 3,
 ) -> None:
     """Tell the equivalent radiated sound power of a body, as a whole and by octave bands.
 

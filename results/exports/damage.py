@@ -37,5 +37,8 @@ def write_damage(
             write_rows(path, [("node", "x [m]", "y [m]", "z [m]", "damage"), *columns])
         with export.file(f"{name}.vtkhdf") as path, written_whole(path) as file:
             grid = Grid(file, np.zeros(1), Cells.of_rows(len(found.points), cells), {})
-            grid.put(found.points[None], {"damage": found.damage[None], "node": nodes[None].astype(float)})
+            grid.put(
+                found.points[None],
+                {"damage": found.damage[None], "node": nodes[None].astype(float)},
+            )
     return export.paths

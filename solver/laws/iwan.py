@@ -48,7 +48,7 @@ class IwanLaw(ForceLaw):
     --------
     >>> law = IwanLaw(slip_force=4e3, stiffness=1.5e7, chi=-0.3, beta=0.6)
     >>> round(law.macro_slip, 6)
-    0.00037
+    0.000422
 
     References
     ----------

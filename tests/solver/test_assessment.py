@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from duhamel import Run
 from duhamel.cli import app
 from duhamel.results import ExportError, RecoveryError, SeriesError
 from duhamel.results.fatigue import WoehlerLine, damage, damage_field, rainflow
@@ -234,15 +235,15 @@ def test_the_commands(stepped, tmp_path):
 
 
 def test_quantities_as_a_table_of_pandas(stepped):
-    results = Results.read(stepped)
-    frame = results.to_pandas("velocity:cube", "energy:kinetic")
+    run = Run.read(stepped)
+    frame = run.to_pandas("cube.velocity", "energy:kinetic")
     names = [*(f"velocity:cube:{axis} [m/s]" for axis in "xyz"), "energy:kinetic [J]"]
     assert list(frame.columns) == names
     assert frame.index.name == "time [s]"
-    np.testing.assert_array_equal(frame[names[0]], results.body("cube").velocity[:, 0])
-    spectrum = results.to_pandas("psd(velocity:cube:x)")
+    np.testing.assert_array_equal(frame[names[0]], run["cube"].velocity[:, 0])
+    spectrum = run.to_pandas("psd(velocity:cube:x)")
     assert spectrum.index.name == "frequency [Hz]"
     with pytest.raises(ExportError, match="is over other times or frequencies"):
-        results.to_pandas("velocity:cube:x", "psd(velocity:cube:x)")
+        run.to_pandas("velocity:cube:x", "psd(velocity:cube:x)")
     with pytest.raises(ExportError, match="expected one or more quantities"):
-        results.to_pandas()
+        run.to_pandas()
