@@ -96,6 +96,7 @@ class WoehlerLine:
         if not damaging.any():
             return np.zeros_like(amplitude)
         load = amplitude[damaging]
+        # Without a sensitivity the transformation is the identity, at the cost of a table.
         if self.mean_stress > 0.0:
             M = self.mean_stress
             load = fkm_goodman(load, mean[damaging], M, M / SHARE_BELOW_R0, -1.0)
@@ -126,6 +127,7 @@ def rainflow(history: Array) -> tuple[Array, Array]:
     """
     if not np.isfinite(history).all():
         raise SeriesError("rainflow: expected finite numbers")
+    # The residue grows and falls again, so that no cycle of it closes by itself.
     within, residue = _closed(history)
     # What is left over closes when the history follows itself.
     across, _ = _closed(np.concatenate([residue, residue]))
@@ -262,6 +264,7 @@ def damage_field(
             _histories(own, criterion, across)
             for own, across in zip(stress.swapaxes(0, 1), planes[some], strict=True)
         )
+        # Of the histories of a point the worst one counts.
         counts = [1 if across is None else len(across) for across in planes[some]]
         starts = np.cumsum([0, *counts])[:-1]
         found[some] = np.maximum.reduceat(_damages(histories, line), starts)
@@ -318,6 +321,7 @@ def _across(normal: Array) -> Array:
 
 def _hemisphere(count: int) -> Array:
     """Directions (k, 3), evenly over half of a sphere, on a spiral by the golden angle."""
+    # Normals of opposite signs are the same plane, so that half of a sphere has all.
     z = (np.arange(count) + 0.5) / count
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
     radius = np.sqrt(1.0 - z * z)

@@ -148,6 +148,7 @@ def radiated_power(
     # Each corner stands for a third of its triangle.
     weights = density * sound_speed * np.repeat(areas / 3.0, 3)
     form = shapes.T @ (weights[:, None] * shapes)
+    # As a sum of squares the power has spectra: products of rates would need all pairs of modes.
     values, along = np.linalg.eigh(form)
     kept = values > NEGLIGIBLE_EIGENVALUE * values[-1]
     factor = along[:, kept] * np.sqrt(values[kept])
@@ -162,6 +163,7 @@ def _corners(
     where: Callable[[Array], Array] | None,
 ) -> IntArray:
     """The triangles (m, 3) of the surface, by the points of the recovery."""
+    # Quadratic facets are cut at their middle nodes, where shapes are known too.
     found = triangles(recovery.cells)
     if surface:
         found = _of_surface(element, recovery, body, surface)
@@ -186,6 +188,7 @@ def _of_surface(element: Superelement, recovery: Recovery, body: str, name: str)
         known = ", ".join(by_name) or "none"
         raise RecoveryError(f"body {body!r}: no surface {name!r}; there are: {known}")
     patch = by_name[name]
+    # Surfaces count nodes as the mesh does, the recovery as its file does: places are the same.
     apart, nearest = cKDTree(recovery.points).query(patch.X)
     size = float(np.ptp(recovery.points, axis=0).max())
     if apart.max() > NEAREST_NODE * size:

@@ -128,6 +128,7 @@ def _of_quantities(
 
     for quantity in quantities:
         for text, series in named_series(read, quantity):
+            # Rainflow of a spectrum would be a number without a meaning.
             if not np.array_equal(series.abscissa, read.time):
                 raise QuantityError(f"{text}: expected a quantity over the times of the run")
             columns = series.values.reshape(len(series.values), -1)[rows]

@@ -306,6 +306,7 @@ class Contact(CarriedShape, Entry, Coupling):
             raise self.error("patch: expected with hertz, found no hertz")
         if self.hertz is not None and self.hertz.yield_pressure is not None:
             self.impact.check_plastic("yield_pressure")
+            # The compliance of a patch that yields is not that of the elastic body.
             if any(self.patch):
                 raise self.error("patch: expected none with yield_pressure")
         elif self.hertz is not None and self.impact.spot == "new":

@@ -72,6 +72,7 @@ class ElastoplasticLaw(ForceLaw):
         p = memory[PLASTIC] + change
         elastic = c - p
         slope = k
+        # The tangent of the return mapping, with which Newton's method keeps its order.
         if change != 0.0:
             slope = k * (kinematic + isotropic) / (k + kinematic + isotropic)
         return k * elastic, slope, 0.0, 0.5 * (k * elastic * elastic + kinematic * p * p)
@@ -79,6 +80,7 @@ class ElastoplasticLaw(ForceLaw):
     @staticmethod
     def remember(parameters: Array, memory: Array, h: float, c: float, rate: float) -> None:
         change = plastic_change(parameters, memory, c)
+        # Reversals within a step are not seen: the path is taken as one way.
         memory[PLASTIC] += change
         memory[ACCUMULATED] += abs(change)
 
@@ -95,6 +97,7 @@ def plastic_change(parameters: Array, memory: Array, c: float) -> float:
     """
     k, kinematic, isotropic = parameters[1], parameters[2], parameters[3]
     over = k * (c - memory[PLASTIC]) - kinematic * memory[PLASTIC]
+    # With the plastic deformation of the last step: elastic until the contrary is shown.
     excess = abs(over) - (parameters[0] + isotropic * memory[ACCUMULATED])
     if excess <= 0.0:
         return 0.0

@@ -74,6 +74,7 @@ class IwanLaw(ForceLaw):
         # slip force are exact with any number of elements.
         last, n = self.macro_slip, self.chi + 1.0
         edges = np.append(0.0, last * np.geomspace(SMALLEST_SLIP, 1.0, self.elements))
+        # In shares of phi_max, since its powers overflow for large chi.
         share = np.diff((edges / last) ** n)
         stiffness = self.stiffness / (1.0 + self.beta) * share
         slips = last * n / (n + 1.0) * np.diff((edges / last) ** (n + 1.0)) / share
@@ -91,6 +92,7 @@ class IwanLaw(ForceLaw):
         for m in range(n):
             k, e = parameters[n + m], elongation(parameters[m], c - memory[m])
             force += k * e
+            # A slider that moves carries its limit, whatever the deformation.
             energy += 0.5 * k * e * e
             if abs(e) < parameters[m]:
                 slope += k

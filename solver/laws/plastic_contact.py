@@ -56,6 +56,7 @@ class PlasticContactLaw(ForceLaw):
         if d <= 0.0:
             return 0.0, 0.0, 0.0, 0.0
         n, deepest = parameters[EXPONENT], max(memory[_limit(side)], d)
+        # A penetration beyond all earlier ones makes its own dent within the step.
         F, slope = loading(parameters, deepest)
         recovered = _recovery(parameters, deepest, F)
         left = d - (deepest - recovered)
@@ -82,6 +83,7 @@ class PlasticContactLaw(ForceLaw):
         """The depth of the dent at the limit that is nearer to c."""
         _, side = penetration(parameters, c)
         deepest = memory[_limit(side)]
+        # Without a dent nothing unloads, and powers of zero mean nothing.
         if deepest <= 0.0:
             return 0.0
         F, _ = loading(parameters, deepest)
@@ -99,6 +101,7 @@ def loading(parameters: Array, d: float) -> tuple[float, float]:
     """Force and slope at a penetration d > 0 that is the deepest so far."""
     K, n, limit = parameters[STIFFNESS], parameters[EXPONENT], parameters[YIELD_FORCE]
     N = K * d**n
+    # Elastic as without a yield force, until it is reached.
     if limit >= N:
         return N, n * N / d
     at_yield = (limit / K) ** (1.0 / n)

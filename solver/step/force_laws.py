@@ -79,6 +79,7 @@ def permanent_of_row(laws: Laws, i: int, c: float, state: State) -> float:
     """The permanent deformation of the laws of row i, at its coordinate c."""
     total = 0.0
     for m in range(laws.range[i], laws.range[i + 1]):
+        # What is permanent is remembered; most laws have no memory.
         if laws.memory[m + 1] > laws.memory[m]:
             parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
             memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]

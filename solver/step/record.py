@@ -83,6 +83,7 @@ def _record_switching(run: Run, j: int, k: int) -> None:
     if c < 0:
         return
     coordinate = run.work.couplings.coordinate[i]
+    # The gap closes where the ball touches the ground of its dent.
     beyond, _ = beyond_dent(couplings, i, coordinate, run.state)
     # Not -beyond, which would write a negative zero.
     output.gap[k, c] = 0.0 - beyond
