@@ -21,7 +21,7 @@ from .quantity import Quantity
 from .space import Space
 
 RESULTS_FORMAT = "duhamel-results"
-RESULTS_VERSION = 10
+RESULTS_VERSION = 11
 # All that files since this version hold has the same meaning today.
 EARLIEST_VERSION = 3
 

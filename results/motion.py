@@ -230,7 +230,7 @@ class Coupling(Recorded):
         angle [rad], angle_rate, distance [m], distance_rate, ...; friction [N m, N] on the
         coordinate and friction_state, 1 sticks, 2 slips; of a spring "coordinates" (n, rows).
         """
-        others = {"multipliers", "force", "moment"}
+        others = {"multipliers", "force", "moment", "permanent"}
         return {name: array for name, array in vars(self).items() if name not in others}
 
     def __getattr__(self, name: str) -> Array:
@@ -339,6 +339,15 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
         attribute="coordinates",
         source="coordinate",
     )
+    permanent: Array = quantity(
+        ("m", "rad"),
+        "plastic deformation of each component",
+        of="spring_component",
+        source="permanent",
+        sparse=True,
+        since=11,
+    )
+    """(n, k) plastic deformation of each component [m, rad]; not in files before version 11"""
 
 
 class CouplerMotion(Recorded, group="couplers", owner="coupler"):
@@ -458,6 +467,15 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
     """each time that it was closed, counted at every step"""
     gap: Array = quantity("m", "gap, negative while closed", source="gap", section="Contacts")
     """(n,) gap, negative while closed [m]"""
+    dent: Array = quantity(
+        "m",
+        "depth of the dent that impacts have left",
+        source="dent",
+        sparse=True,
+        since=11,
+    )
+    """(n,) depth of the dent that impacts have left [m]; not in files before
+    version 11"""
     force: Array = quantity(
         "N", "force on the second body, along normal and tangents", "contact_axis", plot=""
     )
@@ -598,6 +616,15 @@ class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
         ("m", "rad"), "distance to the nearer limit, negative beyond it", source="gap"
     )
     """(n,) distance to the nearer limit, negative beyond it [m, rad]"""
+    dent: Array = quantity(
+        ("m", "rad"),
+        "depth of the dent at the nearer limit",
+        source="dent",
+        sparse=True,
+        since=11,
+    )
+    """(n,) depth of the dent at the nearer limit [m, rad]; not in files before
+    version 11"""
     force: Array = quantity(
         ("N", "N m"), "force or moment on the coordinate", source="normal_force", plot=""
     )

@@ -386,6 +386,17 @@ class Results:
         except SuperelementError as error:
             raise RecoveryError(f"body {body!r}: {error}") from error
 
+    def stress_history(self, body: str, points: Any, rows: slice = ALL_ROWS) -> Array:
+        """Stresses (n, k, 6) [Pa] at some points of the recovery over the recorded steps.
+
+        points: numbers, or a slice, of points; `recoverable(body).nodes` has their nodes.
+        """
+        recovery, modal = self._modal_steps(body)
+        shapes = self._stress_modes(body, recovery)[points]
+        eta = modal.at(np.arange(modal.n)[rows], stress=True)
+        stress: Array = np.tensordot(eta, shapes, axes=(1, 2))
+        return stress
+
     def von_mises(self, body: str, t: Any) -> Array:
         """The equivalent stress at these points, (p,) or (k, p) [Pa]."""
         return von_mises(self.stress(body, t))

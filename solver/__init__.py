@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from .laws.bouc_wen import BoucWenLaw
     from .laws.check import check_law
     from .laws.dampers import DamperLaw, TabulatedDamperLaw
+    from .laws.elastoplastic import ElastoplasticLaw
+    from .laws.iwan import IwanLaw
     from .laws.law import ForceLaw
     from .laws.maxwell import MaxwellLaw
     from .laws.one_sided import OneSidedLaw
@@ -121,6 +123,7 @@ __all__ = [
     "DamperLaw",
     "Delayed",
     "Drag",
+    "ElastoplasticLaw",
     "Fixed",
     "FlexibleBody",
     "Force",
@@ -137,6 +140,7 @@ __all__ = [
     "Implausible",
     "Impulse",
     "Input",
+    "IwanLaw",
     "Joint",
     "JointFriction",
     "LinearModel",
@@ -253,6 +257,8 @@ if not TYPE_CHECKING:
             ".laws.bouc_wen": "BoucWenLaw",
             ".laws.check": "check_law",
             ".laws.dampers": "DamperLaw TabulatedDamperLaw",
+            ".laws.elastoplastic": "ElastoplasticLaw",
+            ".laws.iwan": "IwanLaw",
             ".laws.law": "ForceLaw",
             ".laws.maxwell": "MaxwellLaw",
             ".laws.one_sided": "OneSidedLaw",

@@ -13,7 +13,10 @@ from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.schema.values import Framed
 from numpy.typing import ArrayLike
 
-IMPACT_KEYWORDS = ("stiffness", "exponent", "restitution", "damping", "slow")
+IMPACT_KEYWORDS = (
+    *("stiffness", "exponent", "restitution", "damping", "slow"),
+    *("yield_force", "post_yield", "spot"),
+)
 """keywords of the penetration's law"""
 
 
@@ -33,6 +36,12 @@ class Law(TypedDict, total=False):
     """[s/m], instead of a restitution: the force is multiplied by 1 + damping d'"""
     slow: float
     """[m/s], slower impacts are damped as this one"""
+    yield_force: float
+    """[N], with a stiffness: beyond it the contact deforms for good (see `Impact`)"""
+    post_yield: float
+    """the slope of the force beyond it, over that at yield"""
+    spot: Literal["same", "new"]
+    """whether a later impact meets the dent of an earlier one"""
     friction: float | Coulomb | Stribeck
     """the coefficient of friction, with a tangential_stiffness"""
     tangential_stiffness: float

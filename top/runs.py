@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from duhamel import view
 from duhamel.results import QuantityError, Results
+from duhamel.results.exports.data_frames import to_pandas
 from duhamel.results.peaks import Peak, peaks
 from duhamel.results.validity import Validity
 from duhamel.superelement.validation import Array
@@ -140,6 +141,13 @@ class Run:
         A tuple of `duhamel.results.peaks.Peak`, which is shown as a table.
         """
         return Peaks(peaks(self.results, [self._quantity(name) for name in quantities]))
+
+    def to_pandas(self, *quantities: str) -> Any:
+        """Quantities as a pandas.DataFrame, by time or frequency.
+
+        `ExportError` without pandas, and for quantities over different times or frequencies.
+        """
+        return to_pandas(self.results, [self._quantity(name) for name in quantities])
 
     def _quantity(self, text: str) -> str:
         joints = self.results.joints

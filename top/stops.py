@@ -15,6 +15,8 @@ def stop(
     law: ForceTable | None = None,
     restitution: float = 1.0,
     damping: float = 0.0,
+    yield_force: float | None = None,
+    post_yield: float | None = None,
     name: str = "",
 ) -> Stop:
     """Limits of a joint coordinate, with the force of a contact beyond them.
@@ -35,10 +37,18 @@ def stop(
         Speed after an impact over that before it.
     damping : float [s/rad, s/m]
         Instead of it: the force is multiplied by `1 + damping d'`.
+    yield_force : float [N m, N]
+        Beyond it the stop deforms for good, with `post_yield` times the slope at yield.
     name : str
     """
     impact = Impact(
-        stiffness=stiffness, exponent=exponent, law=law, restitution=restitution, damping=damping
+        stiffness=stiffness,
+        exponent=exponent,
+        law=law,
+        restitution=restitution,
+        damping=damping,
+        yield_force=yield_force,
+        post_yield=post_yield,
     )
     return Stop(name, joint, coordinate, limits, impact)
 

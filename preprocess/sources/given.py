@@ -30,8 +30,8 @@ class GivenSource:
 
     model: GivenModel
     stiffening: float = 1.0
-    geometry: None = None
     elements: "GivenElements | None" = None
+    geometry: None = None
 
     @property
     def name(self) -> str:

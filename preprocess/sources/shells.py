@@ -62,6 +62,7 @@ class ShellSource:
 
     mesh: Mesh
     body: Body
+    geometry: None = None
 
     @property
     def name(self) -> str:

@@ -134,7 +134,7 @@ def _events(results: Results, owners: Sequence[str]) -> Rows:
 
 def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator[tuple[str, Rows]]:
     """The table of the quantities over the times of the run, and those of all others."""
-    found = [pair for quantity in quantities for pair in _alike(results, quantity)]
+    found = [pair for quantity in quantities for pair in named_series(results, quantity)]
     time = results.time
     over_time = [pair for pair in found if np.array_equal(pair[1].abscissa, time)]
     if over_time:
@@ -145,7 +145,7 @@ def _named(results: Results, quantities: Iterable[str], rows: slice) -> Iterator
         yield file, _joined([pair], slice(None))
 
 
-def _alike(results: Results, quantity: str) -> list[tuple[str, Series]]:
+def named_series(results: Results, quantity: str) -> list[tuple[str, Series]]:
     """A quantity, or all that it stands for that have it, as sensors of a kind."""
     return of_all(named(results, quantity), lambda name: [(name, series(results, name))])
 
@@ -156,14 +156,14 @@ def _joined(found: Sequence[tuple[str, Series]], rows: slice) -> Rows:
     base = TIME_HEADING if first.base == "s" else "frequency [Hz]"
     header, columns = [base], [first.abscissa[rows]]
     for text, of_it in found:
-        header += [f"{name} [{of_it.unit}]" for name in _of_axes(text, of_it)]
+        header += [f"{name} [{of_it.unit}]" for name in of_axes(text, of_it)]
         values = of_it.values[rows]
         columns += list(values.reshape(len(values), -1).T)
     yield header
     yield from zip(*(column.tolist() for column in columns), strict=True)
 
 
-def _of_axes(text: str, found: Series) -> list[str]:
+def of_axes(text: str, found: Series) -> list[str]:
     """The quantity for each column, as "srs(acceleration:hub:x)"."""
     if not found.axes:
         return [text]

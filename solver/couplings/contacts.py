@@ -2,7 +2,8 @@
 
 A ball of radius r about the second frame, or a point (r = 0), meets a shape that the first frame
 carries: a plane, or a sphere or cylinder of radius R about it, from outside or, hollow, from
-inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py).
+inside. Force and damping are those of `ContactLaw` (solver/laws/contact.py), or of
+`PlasticContactLaw` (plastic_contact.py).
 """
 
 import math
@@ -13,7 +14,6 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ..arrays import Array
-from ..laws.contact import ContactLaw
 from ..laws.hertz import Patch, patch_of
 from ..schema.entry import Entry, Flattened, entry, one_of
 from ..schema.values import (
@@ -31,7 +31,7 @@ from ..step.gaps import FirstSlip, Gap, SecondSlip, gap_parameters
 from .carried_shape import SHAPE_TYPES, CarriedShape
 from .coupling import Coupling, Inertia, side_names
 from .friction import AnyCoefficient, Bristle, resolved_spring
-from .impact import Impact
+from .impact import AnyContactLaw, Impact
 from .rows import Row, Sides
 
 NO_PATCH: Any = (0.0, 0.0)
@@ -49,6 +49,10 @@ class Hertz(Entry):
     ----------
     E : (2,) [Pa]
     nu : (2,)
+    yield_pressure : float, optional [Pa]
+        The largest contact pressure of the softer body: beyond it the contact deforms for good.
+        1.6 times the yield strength where yielding begins below the surface, about 2.8 times where
+        it has reached it.
 
     Examples
     --------
@@ -58,6 +62,7 @@ class Hertz(Entry):
 
     E: Numbers
     nu: Numbers
+    yield_pressure: Positive | None = None
 
     def validate(self) -> None:
         if len(self.E) != 2 or not all(value > 0.0 for value in self.E):
@@ -164,11 +169,14 @@ class Contact(CarriedShape, Entry, Coupling):
         if self.tangential_damping is not None and self.friction is None:
             raise self.error("tangential_damping: expected with friction, found no friction")
 
-    def law(self) -> ContactLaw:
+    def law(self) -> AnyContactLaw:
         """The law of the gap."""
         if self.hertz is None:
             return self.impact.beyond((0.0, math.inf))
         stiffness = self.hertz.modulus * self._patch.stiffness
+        if self.hertz.yield_pressure is not None:
+            yield_force = self._patch.force_at(self.hertz.yield_pressure, stiffness)
+            return self.impact.plastic_hertzian(stiffness, yield_force)
         return self.impact.hertzian(stiffness, self.hertz.patch_compliance(self.patch))
 
     @property
@@ -296,3 +304,10 @@ class Contact(CarriedShape, Entry, Coupling):
             raise self.error(f"patch: expected two radii of at least 0, got {list(self.patch)}")
         if any(self.patch) and self.hertz is None:
             raise self.error("patch: expected with hertz, found no hertz")
+        if self.hertz is not None and self.hertz.yield_pressure is not None:
+            self.impact.check_plastic("yield_pressure")
+            # The compliance of a patch that yields is not that of the elastic body.
+            if any(self.patch):
+                raise self.error("patch: expected none with yield_pressure")
+        elif self.hertz is not None and self.impact.spot == "new":
+            raise self.error("spot: expected with yield_pressure, found none in hertz")

@@ -2,10 +2,17 @@
 
 import math
 from itertools import pairwise
+from typing import Annotated, Literal
 
 from ..laws.contact import ContactLaw
+from ..laws.plastic_contact import PlasticContactLaw
 from ..schema.entry import Entry, entry
-from ..schema.values import NotNegative, Numbers, Positive
+from ..schema.values import NotNegative, Numbers, Positive, number
+
+AnyContactLaw = ContactLaw | PlasticContactLaw
+UpToOne = Annotated[
+    float, number("a number above 0, at most 1", float, lambda ratio: 1e-100 <= ratio <= 1.0)
+]
 
 
 @entry(eq=True)
@@ -57,6 +64,14 @@ class Impact(Entry):
         Instead of restitution: the force is multiplied by 1 + damping d'.
     slow : float [m/s, rad/s]
         Slower impacts are damped as one of this speed.
+    yield_force : float, optional [N, N m]
+        The force at which the contact begins to deform for good, so that restitution falls with
+        speed (docs/theory.md, Contact). With `stiffness`, without restitution and damping.
+    post_yield : float, optional
+        The slope of the force beyond it, over that at yield: above 0, by default 1, which is
+        Thornton's law. With an exponent of 1 it must be less.
+    spot : {"same", "new"}
+        Whether a later impact meets the dent of an earlier one.
 
     Examples
     --------
@@ -70,6 +85,9 @@ class Impact(Entry):
     restitution: Positive = 1.0
     damping: NotNegative = 0.0
     slow: Positive = 0.01
+    yield_force: Positive | None = None
+    post_yield: UpToOne | None = None
+    spot: Literal["same", "new"] = "same"
 
     def validate(self) -> None:
         if not self.restitution <= 1.0:
@@ -84,14 +102,45 @@ class Impact(Entry):
         # Below 1 the stiffness at first touch is infinite.
         if self.exponent is not None and self.exponent < 1.0:
             raise self.error(f"exponent: expected 1 or more, got {self.exponent:g}")
+        if self.yield_force is not None:
+            self._check_yield()
+        elif self.post_yield is not None:
+            raise self.error("post_yield: expected with yield_force, found no yield_force")
 
-    def beyond(self, limits: tuple[float, float]) -> ContactLaw:
+    def check_plastic(self, key: str) -> None:
+        """`ModelError` for losses beside those of a contact that yields by a key."""
+        if self.restitution < 1.0 or self.damping > 0.0:
+            name = "damping" if self.damping > 0.0 else "restitution"
+            raise self.error(f"{name}: expected none with {key}, which determines the losses")
+
+    def beyond(self, limits: tuple[float, float]) -> AnyContactLaw:
         """The law of a coordinate that is free between limits."""
-        return self._law(limits, self.stiffness or 0.0, self.exponent or 1.0)
+        stiffness, exponent = self.stiffness or 0.0, self.exponent or 1.0
+        if self.yield_force is not None:
+            return self._plastic(limits, stiffness, exponent, self.yield_force)
+        return self._law(limits, stiffness, exponent)
 
     def hertzian(self, stiffness: float, patch: float) -> ContactLaw:
         """The law of a gap whose stiffness [N/m^1.5] follows from materials and radii."""
         return self._law((0.0, math.inf), stiffness, 1.5, patch)
+
+    def plastic_hertzian(self, stiffness: float, yield_force: float) -> PlasticContactLaw:
+        """The same law with a yield force [N], which follows from materials and radii too."""
+        return self._plastic((0.0, math.inf), stiffness, 1.5, yield_force)
+
+    def _check_yield(self) -> None:
+        if self.stiffness is None:
+            raise self.error("yield_force: expected with stiffness, found no stiffness")
+        self.check_plastic("yield_force")
+        # Linear up to yield and as steep beyond it, the law would lose nothing.
+        if (self.exponent or 1.0) == 1.0 and (self.post_yield or 1.0) == 1.0:
+            raise self.error("post_yield: expected less than 1 with an exponent of 1")
+
+    def _plastic(
+        self, limits: tuple[float, float], stiffness: float, exponent: float, yield_force: float
+    ) -> PlasticContactLaw:
+        new_spot, slope = self.spot == "new", self.post_yield or 1.0
+        return PlasticContactLaw(limits, stiffness, exponent, yield_force, slope, new_spot)
 
     def _law(
         self, limits: tuple[float, float], stiffness: float, exponent: float, patch: float = 0.0

@@ -1,7 +1,8 @@
 """Force laws of one coordinate, an open set: every file of this folder may hold some.
 
 law.py defines laws, and how one is added. Compiled code calls all of them by
-`evaluate_law(number, parameters, memory, h, c, rate)` and `remember_law` of the same arguments.
+`evaluate_law(number, parameters, memory, h, c, rate)`, `remember_law` of the same arguments, and
+`permanent_of_law(number, parameters, memory, c)`.
 """
 
 from collections.abc import Callable
@@ -26,4 +27,10 @@ evaluate_law: Callable[[int, Array, Array, float, float, float], Evaluation] = d
 )
 remember_law: Callable[[int, Array, Array, float, float, float], None] = dispatcher(
     "remember_law", LAW_ARGUMENTS, [law.remember for law in LAW_KINDS], otherwise="None"
+)
+permanent_of_law: Callable[[int, Array, Array, float], float] = dispatcher(
+    "permanent_of_law",
+    "parameters, memory, c",
+    [law.permanent for law in LAW_KINDS],
+    otherwise="0.0",
 )

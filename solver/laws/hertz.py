@@ -29,6 +29,14 @@ class Patch(NamedTuple):
     long: float
     short: float
 
+    def force_at(self, pressure: float, stiffness: float) -> float:
+        """The force [N] at which the largest pressure, 3 F / (2 pi a b), has a value [Pa].
+
+        stiffness [N/m^1.5]: F / d^1.5.
+        """
+        root = 2.0 * math.pi * self.long * self.short * pressure / (3.0 * stiffness)
+        return stiffness * root**3
+
 
 def patch_of(k1: float, k2: float) -> Patch:
     """The patch of two sums of curvatures [1/m], both positive, in any order."""

@@ -20,7 +20,8 @@ this folder holds laws; to add one is to add a class:
 
 A law with a past has a `memory`: `memories` are its numbers before the start, `remember` sets them
 to those at the end of a step. `evaluate` sees those of the last step, which ended a time h before;
-at the start h is infinite: all has been at rest for ever.
+at the start h is infinite: all has been at rest for ever. A law that yields has `permanent` too,
+the deformation that remains without a force, which results show.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -74,6 +75,11 @@ class ForceLaw(Entry):
     def remember(parameters: Array, memory: Array, h: float, c: float, rate: float) -> None:
         """Bring the memory to the end of a step, compiled as `evaluate` is."""
 
+    @staticmethod
+    def permanent(parameters: Array, memory: Array, c: float) -> float:
+        """The deformation that has become permanent, compiled as `evaluate` is; most have none."""
+        return 0.0
+
 
 LAW_KINDS: list[type[ForceLaw]] = []
 """all laws by number"""
@@ -85,6 +91,7 @@ def law_number(law: AnyLawType) -> AnyLawType:
     law.number = len(LAW_KINDS)
     compiled(law.evaluate)
     compiled(law.remember)
+    compiled(law.permanent)
     LAW_KINDS.append(law)
     return law
 

@@ -7,7 +7,7 @@ exerts nothing, and the derivatives of its rows are not computed.
 
 from ..compiler.marks import compiled
 from ..laws.contact import penetration
-from .force_laws import law_of_row
+from .force_laws import law_of_row, permanent_of_row
 from .gaps import has_ends, is_blocked, settled_axis, slip_axis
 from .motors import have_motors_switched, note_motors
 from .records.couplings import Couplings
@@ -49,7 +49,7 @@ def approaches(couplings: Couplings, h: float, state: State, work: Workspace) ->
     old = state.couplings
     for k in range(len(couplings.contact)):
         i = couplings.range[couplings.contact[k]]
-        ahead, _ = penetration_of(couplings, i, old.coordinate[i] + h * old.rate[i])
+        ahead, _ = beyond_dent(couplings, i, old.coordinate[i] + h * old.rate[i], state)
         if ahead > 0.0:
             return True
     return False
@@ -117,3 +117,10 @@ def penetration_of(couplings: Couplings, i: int, c: float) -> tuple[float, float
     laws = couplings.laws
     m = laws.range[i]
     return penetration(laws.parameters[laws.first[m] : laws.first[m + 1]], c)
+
+
+@compiled
+def beyond_dent(couplings: Couplings, i: int, c: float, state: State) -> tuple[float, float]:
+    """The same beyond the dent that earlier impacts have left there."""
+    depth, side = penetration_of(couplings, i, c)
+    return depth - permanent_of_row(couplings.laws, i, c, state), side

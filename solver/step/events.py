@@ -1,7 +1,7 @@
 """What happens in each contact from closing to opening, counted at every step."""
 
 from ..compiler.marks import compiled
-from .contacts import penetration_of
+from .contacts import beyond_dent, penetration_of
 from .gaps import contact_arm
 from .records.contacts import ContactState
 from .records.couplings import Couplings
@@ -24,8 +24,8 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
     # Open before and after: most contacts in most steps.
     if not closed and not contacts.steps[k]:
         return
-    before, side = penetration_of(couplings, i, old.coordinate[i])
-    after, new_side = penetration_of(couplings, i, out.coordinate[i])
+    before, side = beyond_dent(couplings, i, old.coordinate[i], state)
+    after, new_side = beyond_dent(couplings, i, out.coordinate[i], state)
     # The gap is taken as linear within the step.
     crossing = t + h * min(max(before / (before - after), 0.0), 1.0) if before != after else t
     if closed and not contacts.steps[k]:
@@ -43,7 +43,9 @@ def follow_contact(couplings: Couplings, j: int, state: State, work: Workspace) 
         contacts.peak[k] = max(contacts.peak[k], abs(old.lam[i]))
         contacts.impulse[k] += h * abs(old.lam[i])
         contacts.total_impulse[k] += h * abs(old.lam[i])
-        state.extremes.depth[k] = max(state.extremes.depth[k], after)
+        # The patch is that of the whole penetration, its dent included.
+        depth, _ = penetration_of(couplings, i, out.coordinate[i])
+        state.extremes.depth[k] = max(state.extremes.depth[k], depth)
         if couplings.rows.kind[i] == GAP:
             arm = contact_arm(couplings.rows, i, work)
             state.extremes.arm[k] = max(state.extremes.arm[k], dot(arm, arm))

@@ -1,7 +1,7 @@
 """Force laws of rows: a linear one of all rows of a coupling, and any number of each row alone."""
 
 from ..compiler.marks import compiled
-from ..laws import evaluate_law, remember_law
+from ..laws import evaluate_law, permanent_of_law, remember_law
 from .measure import SUM_ROUNDING
 from .motors import motor_law, settle_motors
 from .records.laws import Laws
@@ -74,6 +74,19 @@ def remember_laws(laws: Laws, state: State, work: Workspace) -> None:
     settle_motors(state, work)
     # From now on laws are evaluated at the time of their memory, as in records.
     out.elapsed[0] = 0.0
+
+
+@compiled
+def permanent_of_row(laws: Laws, i: int, c: float, state: State) -> float:
+    """The permanent deformation of the laws of row i, at its coordinate c."""
+    total = 0.0
+    for m in range(laws.range[i], laws.range[i + 1]):
+        # What is permanent is remembered; most laws have no memory.
+        if laws.memory[m + 1] > laws.memory[m]:
+            parameters = laws.parameters[laws.first[m] : laws.first[m + 1]]
+            memory = state.couplings.memory[laws.memory[m] : laws.memory[m + 1]]
+            total += permanent_of_law(laws.number[m], parameters, memory, c - laws.rest[i])
+    return total
 
 
 @compiled

@@ -4,8 +4,9 @@ from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
 from .bodies import momentum
-from .contacts import penetration_of
+from .contacts import beyond_dent
 from .couplings import spring_energy
+from .force_laws import permanent_of_row
 from .frames import (
     move_frame_accelerations,
     move_frame_velocities,
@@ -53,6 +54,10 @@ def record(run: Run, k: int) -> None:
         _set_frame_rotation(system, f, n == 6, state, work, output.frame_rotation[k, f])
     copy(state.couplings.lam, output.multiplier[k])
     copy(work.couplings.coordinate, output.coordinate[k])
+    for i in range(len(work.couplings.coordinate)):
+        output.permanent[k, i] = permanent_of_row(
+            system.couplings.laws, i, work.couplings.coordinate[i], state
+        )
     _split(work.couplings.wrench, output.coupling_force[k], output.coupling_moment[k])
     copy(state.observers.value, output.joint_position[k])
     copy(state.observers.rate, output.joint_rate[k])
@@ -77,9 +82,12 @@ def _record_switching(run: Run, j: int, k: int) -> None:
         output.friction_state[k, r] = status
     if c < 0:
         return
-    beyond, _ = penetration_of(couplings, i, run.work.couplings.coordinate[i])
+    coordinate = run.work.couplings.coordinate[i]
+    # The gap closes where the ball touches the ground of its dent.
+    beyond, _ = beyond_dent(couplings, i, coordinate, run.state)
     # Not -beyond, which would write a negative zero.
     output.gap[k, c] = 0.0 - beyond
+    output.dent[k, c] = permanent_of_row(couplings.laws, i, coordinate, run.state)
     output.normal_force[k, c] = lam[i]
     output.normal_impulse[k, c] = run.state.contacts.total_impulse[c]
     output.contact_state[k, c] = status

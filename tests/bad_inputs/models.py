@@ -342,5 +342,12 @@ LAWS: dict[str, dict[str, Any]] = {
         "exponent": 2,
         "beta": 0.6,
     },
+    "ElastoplasticLaw": {
+        "yield_force": 0.1,
+        "stiffness": 1,
+        "post_yield": 0.1,
+        "isotropic": 0.5,
+    },
+    "IwanLaw": {"slip_force": 1, "stiffness": 1, "chi": -0.3, "beta": 0.2, "elements": 30},
 }
 """by class: each form of force law"""

@@ -292,3 +292,15 @@ def test_the_hammer_on_the_bracket(example, tmp_path):
     results = simulate(model)
     found, expected = script.blow(model, results).force, script.held_bracket(model, results)
     assert np.abs(found - expected).max() < 0.005 * expected.max()
+
+
+def test_what_stays_after_a_blow_is_as_published(example, tmp_path):
+    found = example("permanent_deformation").main(tmp_path)
+    assert (tmp_path / "permanent-deformation.png").exists()
+    _, restitution, exact = found["restitution"]
+    np.testing.assert_allclose(restitution, exact, rtol=1e-4)
+    assert restitution[-1] < 0.3
+    _, angle, bent = found["hinge"]
+    assert np.mean([angle[-400:].min(), angle[-400:].max()]) == pytest.approx(bent[0], rel=1e-3)
+    _, lost, exact = found["bolt"]
+    np.testing.assert_allclose(lost, exact, rtol=0.01)

@@ -5,6 +5,8 @@ import math
 from duhamel.solver import (
     BoucWenLaw,
     DamperLaw,
+    ElastoplasticLaw,
+    IwanLaw,
     MaxwellLaw,
     OneSidedLaw,
     TabulatedDamperLaw,
@@ -54,6 +56,10 @@ LAWS = {
     "Bouc-Wen, sharp": BoucWenLaw(0.05, 20.0, exponent=4.0),
     "Bouc-Wen, round and slim": BoucWenLaw(0.05, 20.0, beta=1.0),
     "Maxwell": MaxwellLaw((0.01, 0.3), (5.0, 7.0)),
+    "plastic": ElastoplasticLaw(2.0, stiffness=20.0),
+    "plastic, kinematic": ElastoplasticLaw(2.0, 20.0, post_yield=0.2),
+    "plastic, mixed": ElastoplasticLaw(1.0, 20.0, 0.3, isotropic=0.4),
+    "Iwan": IwanLaw(4.0, 20.0, chi=-0.4, beta=0.5, elements=40),
     "user": UserLaw(cubic, [3.0, 0.2]),
     "user with memory": UserLaw(branch, [5.0, 0.02], [0.0, 0.0], remember_branch),
 }
