@@ -1,0 +1,61 @@
+"""The benchmarks of other programs, examples/benchmarks, beside their published answers.
+
+Errors of rigid mechanisms are those of the time step. They fall with its square, and bounds are of
+the size of the error that this leaves, on both sides: a wrong model or a lost order leaves them.
+"""
+
+import numpy as np
+import pytest
+
+SECOND_ORDER = 4.0
+"""ratio of errors where the step is halved"""
+
+
+def falls_with_the_square_of_the_step(errors):
+    ratios = errors[:-1] / errors[1:]
+    return bool(np.allclose(ratios, SECOND_ORDER, atol=0.2))
+
+
+def test_a_pendulum_falls_as_in_closed_form(example):
+    script = example("benchmarks/pendulum")
+    found = script.solve((4e-3, 2e-3))
+    assert falls_with_the_square_of_the_step(found.errors)
+    assert falls_with_the_square_of_the_step(found.energies)
+    assert 4e-4 < found.errors[-1] < 6e-4
+
+
+def test_the_closed_form_of_the_pendulum_is_the_integrated_one(example):
+    """Numbers of an independent integration with a tolerance of 1e-13."""
+    at_one, at_ten = example("benchmarks/pendulum").exact(np.array([1.0, 10.0]))
+    np.testing.assert_allclose(at_one, [0.9862917511, -0.1650108531], atol=1e-10)
+    np.testing.assert_allclose(at_ten, [-0.2750874626, -0.9614192051], atol=1e-10)
+
+
+@pytest.mark.parametrize(("n", "t_end"), [(2, 10.0), (40, 1.0)])
+def test_linkages_pass_their_singular_positions(example, n, t_end):
+    """All bars lie on a line after 0.58 s for the first time, then at each half turn."""
+    found = example("benchmarks/four_bars").solve(n, 2e-3, t_end)
+    assert found.positions[:, 1].min() < -0.5
+    assert found.error < 8e-4
+
+
+def test_two_linkages_end_where_the_library_says(example):
+    end = example("benchmarks/four_bars").reference(2, np.array([0.0, 10.0]))[-1]
+    np.testing.assert_allclose(end, [0.3284581115, 0.9445185382], atol=1e-9)
+
+
+def test_the_squeezer_ends_as_the_test_set_says(example):
+    found = example("benchmarks/squeezer").solve((4e-5, 2e-5))
+    assert falls_with_the_square_of_the_step(found.angle_errors)
+    assert falls_with_the_square_of_the_step(found.rate_errors)
+    assert falls_with_the_square_of_the_step(found.force_errors)
+    assert found.angle_errors[-1] < 5e-4
+    assert found.force_errors[-1] < 0.08
+
+
+def test_bricards_mechanism_moves_without_its_redundant_constraint(example):
+    found = example("benchmarks/bricard").solve((4e-3, 2e-3))
+    assert found.removed
+    assert falls_with_the_square_of_the_step(found.errors[:, 0])
+    assert falls_with_the_square_of_the_step(found.energies)
+    assert found.errors[-1].max() < 7e-6
