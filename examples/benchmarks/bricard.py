@@ -111,8 +111,8 @@ def draw(found: Found, target: Path) -> None:
         for t, error in zip(REFERENCE, found.errors.T, strict=True):
             wrong.loglog(STEPS, error, "o-", label=f"after {t:g} s")
         wrong.set(xlabel="step [s]", ylabel="error [m]")
-        motion.legend()
-        wrong.legend()
+        motion.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        wrong.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         view.entitle(figure, "A04 of the IFToMM library, Bricard's mechanism")
     view.save(figure, target)
 

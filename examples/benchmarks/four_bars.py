@@ -124,7 +124,7 @@ def draw(found: dict[int, Found], target: Path) -> None:
             )
         motion.set(ylabel="x of the first pin [m]")
         errors.set(xlabel="time [s]", ylabel="error [m]")
-        motion.legend()
+        motion.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         view.entitle(figure, "A02 of the IFToMM library, linkages in a row")
     view.save(figure, target)
 

@@ -83,11 +83,11 @@ def draw(found: Found, target: Path) -> None:
     with view.style():
         motion.plot(found.time, found.positions, label=["x", "y"])
         motion.set(xlabel="time [s]", ylabel="position [m]")
-        motion.legend()
+        motion.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         errors.loglog(STEPS, found.errors, "o-", label="largest error [m]")
         errors.loglog(STEPS, found.energies, "s-", label="change of energy [J]")
         errors.set(xlabel="step [s]", ylabel="error")
-        errors.legend()
+        errors.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         view.entitle(figure, "A01 of the IFToMM library, a pendulum")
     view.save(figure, target)
 

@@ -188,7 +188,7 @@ def draw(found: Found, target: Path) -> None:
         errors.loglog(STEPS, found.force_errors, "^-", label="forces [N]")
         errors.set(xlabel="step [s]", ylabel="error at 0.03 s")
         for axes in (motion, fast, errors):
-            axes.legend()
+            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         view.entitle(figure, "A03 of the IFToMM library, Andrews' squeezing mechanism")
     view.save(figure, target)
 

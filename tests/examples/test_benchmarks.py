@@ -59,3 +59,17 @@ def test_bricards_mechanism_moves_without_its_redundant_constraint(example):
     assert falls_with_the_square_of_the_step(found.errors[:, 0])
     assert falls_with_the_square_of_the_step(found.energies)
     assert found.errors[-1].max() < 7e-6
+
+
+def test_a_stiff_governor_follows_lagranges_equations(example):
+    found = example("benchmarks/governor").solve((4e-3, 2e-3), 3.0)
+    assert np.ptp(found.expected) > 0.1
+    assert falls_with_the_square_of_the_step(found.errors)
+    assert found.errors[-1] < 1.5e-4
+
+
+def test_a_slider_crank_in_space_keeps_its_energy_at_every_angle(example):
+    found = example("benchmarks/space_slider_crank").solve((2e-3, 1e-3), 1.0)
+    assert falls_with_the_square_of_the_step(found.slider_errors)
+    assert falls_with_the_square_of_the_step(found.angle_errors)
+    assert found.slider_errors[-1] < 5e-5
