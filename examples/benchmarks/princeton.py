@@ -12,7 +12,6 @@ FOLDER, by default out/.
 import sys
 import warnings
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import duhamel as du
@@ -124,54 +123,9 @@ def draw(found: Found, target: Path) -> None:
             axes.legend(**beside)
         soft.set(xlabel="direction of the force of 13.345 N [degrees]")
         errors.loglog(NUMBERS, found.errors, "o-")
-        errors.set(xlabel="number of bodies", ylabel="error at 45 degrees, 8.896 N")
+        errors.set(xlabel="number of bodies", ylabel="error at 45 degrees")
         view.entitle(figure, "The Princeton beam")
     view.save(figure, target)
-
-
-def exudyn_tip(force: float, angle: float, elements: int) -> Array:
-    """The same of geometrically exact beams in Exudyn (2,) [m]; needs the extra `peer`."""
-    import exudyn
-    from exudyn.itemInterface import (
-        LoadForceVector,
-        MarkerBodyRigid,
-        MarkerNodeRigid,
-        NodeRigidBodyEP,
-        ObjectBeamGeometricallyExact,
-        ObjectGround,
-        ObjectJointGeneric,
-    )
-
-    system = exudyn.SystemContainer().AddSystem()
-    of = SECTION
-    section = exudyn.BeamSection()
-    section.massPerLength = of.mass_per_length
-    section.inertia = 1e-6 * np.eye(3)
-    section.stiffnessMatrix = np.diag([of.EA, of.GA_y, of.GA_z, of.GJ, of.EI_y, of.EI_z])
-    nodes = [
-        system.AddNode(NodeRigidBodyEP(referenceCoordinates=[x, 0, 0, 1, 0, 0, 0]))
-        for x in np.linspace(0.0, L, elements + 1)
-    ]
-    for ends in pairwise(nodes):
-        system.AddObject(
-            ObjectBeamGeometricallyExact(
-                nodeNumbers=list(ends), length=L / elements, sectionData=section
-            )
-        )
-    ground = system.AddMarker(MarkerBodyRigid(bodyNumber=system.AddObject(ObjectGround())))
-    root, end = (system.AddMarker(MarkerNodeRigid(nodeNumber=nodes[k])) for k in (0, -1))
-    system.AddObject(ObjectJointGeneric(markerNumbers=[ground, root], constrainedAxes=[1] * 6))
-    direction = np.array([0.0, np.sin(np.radians(angle)), np.cos(np.radians(angle))])
-    system.AddLoad(LoadForceVector(markerNumber=end, loadVector=force * direction))
-    system.Assemble()
-    settings = exudyn.SimulationSettings()
-    settings.staticSolver.numberOfLoadSteps = 10
-    settings.staticSolver.verboseMode = 0
-    settings.staticSolver.newton.relativeTolerance = 1e-10
-    settings.solution.file.write = False
-    system.SolveStatic(settings)
-    at = system.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position)
-    return np.array([at[2], at[1]])
 
 
 if __name__ == "__main__":
