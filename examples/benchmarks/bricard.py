@@ -82,14 +82,18 @@ def mechanism() -> du.Mechanism:
     for k, (start, end) in enumerate(pairwise(POINTS)):
         turn = Rotation.align_vectors([end - start], [[L, 0, 0]])[0].as_rotvec()
         rods.append(m.add(rod, f"rod{k + 1}", position=(start + end) / 2, rotation=turn))
-    # Each axis is perpendicular to both rods; the ground is the sixth rod, from the last point.
-    steps = np.diff(np.vstack([POINTS[-1], POINTS, POINTS[0]]), axis=0)
-    axes = [np.cross(one, other) for one, other in pairwise(steps)]
+    axes = axes_of_hinges()
     m.add(du.joints.Revolute(m.ground, rods[0]["start"], axes[0]))
     for one, other, axis in zip(rods[:-1], rods[1:], axes[1:-1], strict=True):
         m.add(du.joints.Revolute(one["end"], other["start"], axis))
     m.add(du.joints.Revolute(m.ground, rods[-1]["end"], axes[-1]))
     return m
+
+
+def axes_of_hinges() -> list[Array]:
+    """Each is perpendicular to both rods; the ground is the sixth rod, from the last point."""
+    rods = np.diff(np.vstack([POINTS[-1], POINTS, POINTS[0]]), axis=0)
+    return [np.cross(one, other) for one, other in pairwise(rods)]
 
 
 def errors(run: du.Run) -> list[float]:
