@@ -205,7 +205,7 @@ def skew_four_bar(
 
     With it the torque of the drive (n,) [N m], which follows `angle(t)`.
     """
-    system = System(step, 1e-6)
+    system = System(step, TOLERANCE)
     system.settings.timeIntegration.generalizedAlpha.spectralRadius = 0.5
     items = system.items
     counts, turns = (elements, 2 * elements, elements), (np.pi / 2, 0.0, -np.pi / 2)
