@@ -1,9 +1,10 @@
-"""Four cases of the validation manual of code_aster, with shocks and friction, by their names.
+"""Five cases of the validation manual of code_aster, with shocks and friction, by their names.
 
     python examples/benchmarks/code_aster.py [FOLDER]
 
     SDND101 (V5.01.101)  a mass on a spring that is thrown against an elastic stop
     SDND106 (V5.01.106)  two masses and a spring, of which one sticks, slips and sticks again
+    SDND122 (V5.01.122)  a mass on a spring with a soft wall: periods by amplitude
     SDNL104 (V5.02.104)  a cantilever that is pressed on an elastic support
     SDNV100 (V5.03.100)  a bar that strikes a rigid wall at 100 m/s
 
@@ -41,7 +42,13 @@ class Found:
 
 def main(folder: Path) -> dict[str, Found]:
     folder.mkdir(parents=True, exist_ok=True)
-    found = {"SDND101": sdnd101(), "SDND106": sdnd106(), "SDNL104": sdnl104(), "SDNV100": sdnv100()}
+    found = {
+        "SDND101": sdnd101(),
+        "SDND106": sdnd106(),
+        "SDND122": sdnd122(),
+        "SDNL104": sdnl104(),
+        "SDNV100": sdnv100(),
+    }
     draw(found, folder / "code-aster.png")
     return found
 
@@ -128,6 +135,42 @@ def sdnd106(step: float = 1e-5) -> Found:
         },
         run.results.solver["seconds"],
     )
+
+
+def sdnd122(step: float = 1e-3, amplitudes: tuple[float, ...] = (0.011, 0.02, 0.1)) -> Found:
+    """Periods of the nonlinear mode: it is free for u < e, and has the stiffness k + K beyond."""
+    mass, k, K, e = 1.0, 10.0, 50.0, 0.01
+    runs = []
+    for amplitude in amplitudes:
+        m = du.Mechanism()
+        block = m.add(du.RigidBody(mass, [1.0] * 3), "mass", position=[-amplitude, 0.0, 0.0])
+        m.add(du.joints.Prismatic(m.ground, block, "x"))
+        anchor = m.ground.frame("anchor", [-1.0, 0.0, 0.0])
+        m.add(du.springs.point(anchor, block, stiffness=k, length=1.0))
+        wall = m.ground.frame("wall", [e, 0.0, 0.0])
+        m.add(du.contacts.plane(wall, block, [-1.0, 0.0, 0.0], stiffness=K, name="wall"))
+        runs.append(m.simulate(10.0, step=step))
+    starts = [run["wall"].events.start for run in runs]
+    names = [f"period at {amplitude:g} m" for amplitude in amplitudes]
+    found = [float(at[-1] - at[0]) / (len(at) - 1) for at in starts]
+    expected = [period_of_sdnd122(amplitude, mass, k, K, e) for amplitude in amplitudes]
+    return Found(
+        runs[-1].time,
+        {"displacement [m]": runs[-1]["mass"].x[:, 0]},
+        dict(zip(names, found, strict=True)),
+        dict(zip(names, expected, strict=True)),
+        sum(run.results.solver["seconds"] for run in runs),
+    )
+
+
+def period_of_sdnd122(amplitude: float, mass: float, k: float, K: float, e: float) -> float:
+    free, closed = np.sqrt(k / mass), np.sqrt((k + K) / mass)
+    speed = free * np.sqrt(amplitude**2 - e**2)
+    # The contact starts this far beyond the place where both springs balance.
+    beyond = e * k / (k + K)
+    flight = (np.pi / 2 + np.arcsin(e / amplitude)) / free
+    contact = (np.pi / 2 - np.arctan(closed * beyond / speed)) / closed
+    return float(2.0 * (flight + contact))
 
 
 def sdnl104(step: float = 1e-4, elements: int = 10) -> Found:
@@ -228,7 +271,7 @@ def sdnv100(step: float = 1e-7, elements: int = 100) -> Found:
 
 
 def draw(found: dict[str, Found], target: Path) -> None:
-    figure, panels = view.panels(4, share_time=False)
+    figure, panels = view.panels(5, share_time=False)
     with view.style():
         for (name, one), axes in zip(found.items(), panels, strict=True):
             for label, curve in one.curves.items():

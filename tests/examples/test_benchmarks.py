@@ -102,6 +102,7 @@ def test_a_skew_hinge_bends_and_twists_the_bars(example):
     [
         ("sdnd101", 3e-5),  # second order in the step of 1/300 of the contact
         ("sdnd106", 2.6e-3),  # the coefficient of friction falls over 1 mm/s, not in a jump
+        ("sdnd122", 1e-5),  # second order in the step of 1/400 of the contact
         ("sdnl104", 8e-3),  # the reference is a computation itself
         ("sdnv100", 6e-3),  # dispersion by 100 elements, and a stop as soft as four steps
     ],
