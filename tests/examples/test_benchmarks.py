@@ -110,3 +110,12 @@ def test_a_skew_hinge_bends_and_twists_the_bars(example):
 def test_cases_of_code_aster(example, case, tolerance):
     found = getattr(example("benchmarks/code_aster"), case)()
     assert max(found.errors.values()) < tolerance, found.errors
+
+
+def test_a_beam_buckles_sideways_as_soon_as_it_has_enough_bodies(example):
+    """The error falls with the square of their number, once it is small."""
+    solve = example("benchmarks/lateral_buckling").solve
+    coarse, fine = solve(8, 2e-4, 0.15), solve(16, 2e-4, 0.15)
+    assert fine.error < 0.04
+    assert 3.5 < coarse.error / fine.error < 5.0
+    assert fine.upwards[-1] == pytest.approx(8.392e-3, rel=0.02)
