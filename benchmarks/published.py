@@ -20,8 +20,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples/benchmarks"))
 import bricard
 import four_bars
+import lateral_buckling
 import misaligned_four_bar
 from peer import published
+from peer.lateral_buckling import lateral_buckling as exudyn_buckling
 from peer.run import Stopwatch
 
 Array = NDArray[np.float64]
@@ -31,6 +33,7 @@ Measure = Callable[[], tuple[float, float]]
 STEP = 1e-3
 """of rigid mechanisms [s]"""
 SKEW_STEP, SKEW_ELEMENTS = 4e-3, 8
+BUCKLING_STEP = 5e-4
 
 
 def ours(simulate: Callable[[], object], steps: int) -> tuple[float, object]:
@@ -91,6 +94,24 @@ def skew_four_bar() -> dict[str, Measure]:
     return {"Duhamel": by_duhamel, "Exudyn": by_exudyn}
 
 
+def buckling() -> dict[str, Measure]:
+    """As many bodies as elements."""
+    model, n = lateral_buckling, 32
+    row = round(model.AT / BUCKLING_STEP)
+
+    def by_duhamel() -> tuple[float, float]:
+        m = model.mechanism(n)
+        steps = round(model.T_END / BUCKLING_STEP)
+        cpu, run = ours(lambda: m.simulate(model.T_END, step=BUCKLING_STEP, rho_inf=0.9), steps)
+        return cpu, abs(run[f"piece{n // 2}.start"].position[row, 1] / model.SIDEWAYS - 1)
+
+    def by_exudyn() -> tuple[float, float]:
+        run = exudyn_buckling(n, BUCKLING_STEP, model.T_END)
+        return run.cpu, abs(run.tip[row, 1] / model.SIDEWAYS - 1)
+
+    return {"Duhamel": by_duhamel, "Exudyn": by_exudyn}
+
+
 def exudyn_skew_four_bar(elements: int) -> tuple[published.Run, Array]:
     """And the torque of its drive (n,) [N m]."""
     model = misaligned_four_bar
@@ -122,6 +143,7 @@ def main() -> None:
         "40 linkages": linkages(40),
         "Bricard": mechanism_of_bricard(),
         "skew four-bar": skew_four_bar(),
+        "lateral buckling": buckling(),
     }
     print("| problem | | CPU, us a step | error |", "|---|---|---|---|", sep="\n")
     for problem, programs in problems.items():

@@ -145,11 +145,12 @@ class Beam:
 
 
 def add_beam(
-    items: Any, ends: tuple[Array, Array], turn: float, section: Any, elements: int
+    items: Any, ends: tuple[Array, Array], turn: Rotation, section: Any, elements: int
 ) -> Beam:
-    """Geometrically exact elements of two nodes along the local x axis, which is turned about z."""
+    """Geometrically exact elements of two nodes along the local x axis."""
     start, end = ends
-    parameters = [np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)]
+    x, y, z, w = turn.as_quat()
+    parameters = [w, x, y, z]
     nodes = [
         items.AddNode(NodeRigidBodyEP(referenceCoordinates=[*place, *parameters]))
         for place in np.linspace(start, end, elements + 1)
@@ -177,7 +178,7 @@ def princeton_tip(length: float, section: Any, force: list[float], elements: int
     container = exudyn.SystemContainer()
     items = container.AddSystem()
     ends = (np.zeros(3), np.array([length, 0.0, 0.0]))
-    beam = add_beam(items, ends, 0.0, section, elements)
+    beam = add_beam(items, ends, Rotation.identity(), section, elements)
     ground = items.AddMarker(MarkerBodyRigid(bodyNumber=items.AddObject(ObjectGround())))
     items.AddObject(ObjectJointGeneric(markerNumbers=[ground, beam.start], constrainedAxes=[1] * 6))
     items.AddLoad(LoadForceVector(markerNumber=beam.end, loadVector=force))
@@ -208,7 +209,8 @@ def skew_four_bar(
     system = System(step, TOLERANCE)
     system.settings.timeIntegration.generalizedAlpha.spectralRadius = 0.5
     items = system.items
-    counts, turns = (elements, 2 * elements, elements), (np.pi / 2, 0.0, -np.pi / 2)
+    counts = (elements, 2 * elements, elements)
+    turns = [Rotation.from_rotvec([0.0, 0.0, angle]) for angle in (np.pi / 2, 0.0, -np.pi / 2)]
     bars = [
         add_beam(items, ends, turn, section, count)
         for ends, turn, section, count in zip(
@@ -217,24 +219,12 @@ def skew_four_bar(
     ]
     ground = items.AddObject(ObjectGround())
     foot = items.AddMarker(MarkerBodyRigid(bodyNumber=ground, localPosition=list(points[3])))
-    drive = _clamp_to_drive(items, bars[0].start, turns[0], angle)
-    tilt = Rotation.from_rotvec([0.0, skew, 0.0])
-    straight = Rotation.identity()
-    joints = (
-        ((bars[0].end, turns[0]), (bars[1].start, 0.0), straight),
-        ((bars[1].end, 0.0), (bars[2].start, turns[2]), tilt),
-        ((foot, 0.0), (bars[2].end, turns[2]), straight),
-    )
-    for one, other, axes in joints:
-        rotations = {
-            f"rotationMarker{k}": (Rotation.from_rotvec([0, 0, -turn]) * axes).as_matrix()
-            for k, (_, turn) in enumerate((one, other))
-        }
-        items.AddObject(
-            ObjectJointGeneric(
-                markerNumbers=[one[0], other[0]], constrainedAxes=[1, 1, 1, 1, 1, 0], **rotations
-            )
-        )
+    drive = clamp_to_drive(items, points[0], Rotation.identity(), (bars[0].start, turns[0]), angle)
+    tilt, straight = Rotation.from_rotvec([0.0, skew, 0.0]), Rotation.identity()
+    first, second, third = zip(bars, turns, strict=True)
+    revolute(items, (first[0].end, first[1]), (second[0].start, second[1]), straight)
+    revolute(items, (second[0].end, second[1]), (third[0].start, third[1]), tilt)
+    revolute(items, (foot, straight), (third[0].end, third[1]), straight)
     system.watch(SensorNode, nodeNumber=bars[1].nodes[-1])
     torque = exudyn.OutputVariableType.TorqueLocal
     sensor = items.AddSensor(
@@ -247,9 +237,31 @@ def skew_four_bar(
     return system.run(), np.asarray(items.GetSensorStoredData(sensor))[:, 3]
 
 
-def _clamp_to_drive(items: Any, start: int, turn: float, angle: Callable[[float], float]) -> int:
-    """A hub whose six coordinates follow, with the bar clamped to it."""
-    hub = items.AddNode(NodeRigidBodyRxyz(referenceCoordinates=[0.0] * 6))
+Side = tuple[int, Rotation]
+"""a marker and how its axes are turned"""
+
+
+def revolute(items: Any, one: Side, other: Side, axes: Rotation) -> None:
+    """About z of `axes`, in space at the start."""
+    items.AddObject(
+        ObjectJointGeneric(
+            markerNumbers=[one[0], other[0]],
+            constrainedAxes=[1, 1, 1, 1, 1, 0],
+            rotationMarker0=(one[1].inv() * axes).as_matrix(),
+            rotationMarker1=(other[1].inv() * axes).as_matrix(),
+        )
+    )
+
+
+def clamp_to_drive(
+    items: Any, place: Array, axes: Rotation, clamped: Side, angle: Callable[[float], float]
+) -> int:
+    """A hub that turns about z of `axes`, by six prescribed coordinates, with a beam clamped to it.
+
+    The joint of the clamp.
+    """
+    reference = [*place, *axes.as_euler("XYZ")]
+    hub = items.AddNode(NodeRigidBodyRxyz(referenceCoordinates=reference))
     items.AddObject(ObjectRigidBody(mass=1.0, inertia=[1e-3] * 3 + [0.0] * 3, nodeNumber=hub))
     still = items.AddMarker(
         MarkerNodeCoordinate(nodeNumber=items.AddNode(NodePointGround()), coordinate=0)
@@ -260,11 +272,12 @@ def _clamp_to_drive(items: Any, start: int, turn: float, angle: Callable[[float]
         items.AddObject(
             CoordinateConstraint(markerNumbers=[still, held], **(follow if coordinate == 5 else {}))
         )
+    marker, turn = clamped
     drive: int = items.AddObject(
         ObjectJointGeneric(
-            markerNumbers=[items.AddMarker(MarkerNodeRigid(nodeNumber=hub)), start],
+            markerNumbers=[items.AddMarker(MarkerNodeRigid(nodeNumber=hub)), marker],
             constrainedAxes=[1] * 6,
-            rotationMarker1=Rotation.from_rotvec([0, 0, -turn]).as_matrix(),
+            rotationMarker1=(turn.inv() * axes).as_matrix(),
         )
     )
     return drive

@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("exudyn")
 
 import published
+from peer.lateral_buckling import lateral_buckling
 from peer.published import beam_section, princeton_tip
 
 pytestmark = [
@@ -45,3 +46,11 @@ def test_a_skew_four_bar_linkage():
     torques = limit(coarse_torque[rows], fine_torque[rows])
     assert model.error(deflections, model.DEFLECTIONS) < 2e-5
     assert model.error(torques, model.TORQUES) < 2e-4
+
+
+def test_a_beam_that_buckles_sideways():
+    import lateral_buckling as model
+
+    coarse, fine = (lateral_buckling(n, 5e-4, model.AT).tip[-1] for n in (32, 64))
+    assert limit(coarse[1], fine[1]) == pytest.approx(model.SIDEWAYS, rel=1e-3)
+    assert limit(coarse[2], fine[2]) == pytest.approx(model.UPWARDS, rel=1e-3)
