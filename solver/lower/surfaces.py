@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, as_index, as_rows
+from ..arrays import Array, as_index, as_rows, starts
 from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError
 from ..history.layout import Stepping
@@ -16,7 +16,7 @@ from ..model.model import Model
 from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
 from .numbering import NumberedFrames, carrier_name
-from .patches import Patch, lay_out_facets, lay_out_patches, starts
+from .patches import Patch, lay_out_facets, lay_out_patches
 
 DEPTH_BEYOND = 0.5
 """depth behind a patch, over its radius, at which a point is not below it but beyond it"""
@@ -156,7 +156,7 @@ def _lay_out_bodies(
         motions.append(made[key])
     owners = [id(motion) for motion in motions]
     spread = _spread_loads(model, layout, motions)
-    spread_start = np.cumsum([0, *(0 if own is None else len(own) for own in spread)])[:-1]
+    spread_start = starts(0 if own is None else len(own) for own in spread)[:-1]
     spread_start[[own is None for own in spread]] = -1
     n_m = len(elastic.modes.stiffness)
     source, share = np.zeros(n_m, dtype=np.int64), np.zeros(n_m)
