@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -204,7 +205,7 @@ class Superelement:
         by_modes = 0.25 / h_min if h_min > 0.0 else np.inf
         return float(min(by_modes, self.kernel.band or np.inf))
 
-    @property
+    @cached_property
     def size(self) -> float:
         """The length of the body [m]: of a uniform bar of its mass and largest moment of inertia.
 

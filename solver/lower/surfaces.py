@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,8 @@ def lay_out_surfaces(
     stepping: Stepping,
 ) -> Surfaces:
     """All arrays of the contacts of surfaces, in steps of a size."""
+    if not layout.contacts:
+        return _without_contacts(len(elastic.modes.stiffness), len(model.pattern_loads))
     patches = lay_out_patches(layout.patches)
     return Surfaces(
         patches=patches,
@@ -135,6 +138,17 @@ def lay_out_surfaces(
         bodies=_lay_out_bodies(model, layout, elastic, stepping),
         contacts=_lay_out_contacts(layout, frames, elastic, patches),
     )
+
+
+@lru_cache(maxsize=64)
+def _without_contacts(n_modes: int, n_pattern_loads: int) -> Surfaces:
+    """The arrays of models without contacts of surfaces, which share them."""
+    dims = {dim for _, one in Surfaces.array_fields() for dim in one.dims}
+    # Ranges of nothing have one end.
+    none = {dim: int(dim.endswith("_1")) for dim in dims if isinstance(dim, str)}
+    surfaces = Surfaces.allocate(none | {"n_m": n_modes, "n_t": n_pattern_loads})
+    surfaces.bodies.spread_start[:] = -1
+    return surfaces
 
 
 def _lay_out_bodies(
