@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from .linear.linearize import LinearModel, linearize
     from .linear.modes import LinearModes
     from .linear.state_space import StateSpace
+    from .many import simulate_many
     from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
     from .model.body_shapes import Box, Cylinder, Sphere, Surface
     from .model.file import model_schema, read_model, write_model
@@ -210,6 +211,7 @@ __all__ = [
     "plausibility_warnings",
     "read_model",
     "simulate",
+    "simulate_many",
     "start",
     "write_model",
 ]
@@ -271,6 +273,7 @@ if not TYPE_CHECKING:
                 "Chirp HalfSine Haversine LogarithmicChirp Sawtooth SmoothStep Trapezoid Window"
             ),
             ".signals.recorded": "Recorded RecordedSpline",
+            ".many": "simulate_many",
             ".simulation": "simulate start",
             ".simulator": "Simulator",
         },

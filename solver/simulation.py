@@ -2,16 +2,18 @@
 
 import os
 import time
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 
 from ..files.blas import one_blas_thread
+from ..files.kept_warnings import warn
 from ..files.progress import Progress, Work
 from ..results.batches import Energies
 from ..results.file import FileWriter
@@ -70,6 +72,8 @@ from .step.system import Inputs, Run, State, Workspace
 
 BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
+INTERRUPT: ContextVar[Event | None] = ContextVar("interrupt", default=None)
+"""what interrupts runs in this thread, beside the keyboard, which interrupts the main thread"""
 
 
 def simulate(
@@ -326,7 +330,7 @@ def _left(prepared: PreparedRun) -> str:
 
 def _warn(lines: Iterable[str], stacklevel: int) -> None:
     for line in lines:
-        warnings.warn(line, ValidityWarning, stacklevel=stacklevel)
+        warn(line, ValidityWarning, stacklevel=stacklevel)
 
 
 def integrate(prepared: PreparedRun, progress: bool = False) -> None:
@@ -336,7 +340,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
-    branches, monitor = Branches(lowered), prepared.monitor
+    branches, monitor, interrupt = Branches(lowered), prepared.monitor, INTERRUPT.get()
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         prepared.keeper() as keeper,
@@ -355,6 +359,8 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
         # A file has checks from its first rows on; results in memory are read at the end alone.
         checked = -inf
         while done < total:
+            if interrupt is not None and interrupt.is_set():
+                raise KeyboardInterrupt
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))

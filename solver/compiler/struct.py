@@ -147,12 +147,14 @@ class Struct:
         """A record of zeros, with the sizes of all named dimensions."""
         plan = _plan(cls, tuple(sizes.items()))
         words, block = plan.words.copy(), np.zeros(plan.n_small, dtype=np.int64)
-        words[plan.small] += _address(block)
+        first = _address(block)
+        words[plan.small] += first
         large = {at: np.zeros(n, dtype=np.int64) for at, n in plan.large}
         for at, array in large.items():
             words[at] = _address(array)
         made = cls.__new__(cls)
-        made._lie_in(words, _Memory(block, {_address(array): array for array in large.values()}))
+        by_address = {int(words[at]): array for at, array in large.items()}
+        made._lie_in(words, _Memory(block, first, by_address))
         return made
 
     def _lie_in(self, words: Index, memory: "_Memory") -> None:
@@ -254,6 +256,7 @@ class _Memory(NamedTuple):
     """
 
     block: Index
+    address: int
     large: dict[int, Index]
 
     def array(self, kind: ArrayField, words: list[int]) -> Any:
@@ -263,7 +266,7 @@ class _Memory(NamedTuple):
         shape = [dim if isinstance(dim, int) else next(variable) for dim in kind.dims]
         if (own := self.large.get(address)) is not None:
             return own.view(kind.dtype).reshape(shape)
-        return np.ndarray(shape, kind.dtype, self.block, address - _address(self.block))
+        return np.ndarray(shape, kind.dtype, self.block, address - self.address)
 
 
 class _Plan(NamedTuple):
