@@ -84,7 +84,8 @@ class Exchange:
 
     def start(self) -> dict[str, float]:
         """Initialize all FMUs; the inputs that they give, by name."""
-        record(self._run, 0)
+        if self._units:
+            record(self._run, 0)
         values: dict[str, float] = {}
         step = int(self._state.step[0])
         for unit in self._units:
