@@ -11,9 +11,9 @@ from ..files.cores import usable_cores
 from ..files.kept_warnings import kept_warnings
 from ..results.results import Results
 from .model.model import Model
-from .simulation import INTERRUPT, simulate
+from .simulation import RUN_INTERRUPT, simulate
 
-INTERRUPT_SECONDS = 0.2
+SECONDS_PER_LOOK = 0.2
 """between two looks at the keyboard; some systems wait for threads with deaf ears"""
 MOST_NAMED = 5
 """runs that the message of a failure names"""
@@ -127,7 +127,7 @@ def _outcomes(models: Sequence[Model], workers: int) -> list[_Outcome]:
     with ThreadPoolExecutor(workers, thread_name_prefix="simulate_many") as pool:
         runs: list[Future[_Outcome]] = [pool.submit(_run, model, interrupt) for model in models]
         try:
-            while wait(runs, INTERRUPT_SECONDS).not_done:
+            while wait(runs, SECONDS_PER_LOOK).not_done:
                 pass
         except BaseException:
             interrupt.set()
@@ -137,7 +137,7 @@ def _outcomes(models: Sequence[Model], workers: int) -> list[_Outcome]:
 
 
 def _run(model: Model, interrupt: Event) -> _Outcome:
-    INTERRUPT.set(interrupt)
+    RUN_INTERRUPT.set(interrupt)
     with kept_warnings() as kept, _fmus if model.fmus else nullcontext():
         try:
             return _Outcome(simulate(model), kept)

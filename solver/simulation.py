@@ -72,7 +72,7 @@ from .step.system import Inputs, Run, State, Workspace
 
 BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
-INTERRUPT: ContextVar[Event | None] = ContextVar("interrupt", default=None)
+RUN_INTERRUPT: ContextVar[Event | None] = ContextVar("interrupt", default=None)
 """what interrupts runs in this thread, beside the keyboard, which interrupts the main thread"""
 
 
@@ -340,7 +340,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
-    branches, monitor, interrupt = Branches(lowered), prepared.monitor, INTERRUPT.get()
+    branches, monitor, interrupt = Branches(lowered), prepared.monitor, RUN_INTERRUPT.get()
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         prepared.keeper() as keeper,

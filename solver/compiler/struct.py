@@ -145,7 +145,7 @@ class Struct:
     @classmethod
     def allocate(cls, sizes: Mapping[str, int]) -> Self:
         """A record of zeros, with the sizes of all named dimensions."""
-        plan = _plan(cls, tuple(sizes.items()))
+        plan = _plan(cls, tuple(sizes.items()))  # type: ignore[arg-type]
         words, block = plan.words.copy(), np.zeros(plan.n_small, dtype=np.int64)
         first = _address(block)
         words[plan.small] += first
