@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TypeVar
 
 from ..files.blas import one_blas_thread
+from ..files.cores import usable_cores
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -25,11 +26,9 @@ def blas_threads(n_u: int) -> AbstractContextManager[None]:
 
 def threads() -> int:
     """The processors that this process may run on, or OMP_NUM_THREADS if that is fewer."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    processors = len(affinity(0)) if affinity is not None else os.cpu_count() or 1
     # A list sets the threads of nested regions, outermost first.
-    asked = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
-    return min(processors, int(asked)) if asked.isdecimal() and int(asked) > 0 else processors
+    cores, asked = usable_cores(), os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    return min(cores, int(asked)) if asked.isdecimal() and int(asked) > 0 else cores
 
 
 def in_order(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from .linear.stability import StabilityMap, stability_map
     from .linear.state_space import StateSpace
     from .linear.unbalance import UnbalanceResponse, unbalance_response
+    from .many import simulate_many
     from .model.bodies import FlexibleBody, Frame, Place, RigidBody, RigidSuperelement, Start
     from .model.body_shapes import Box, Cylinder, Sphere, Surface
     from .model.file import model_schema, read_model, write_model
@@ -223,6 +224,7 @@ __all__ = [
     "rotor_at",
     "simulate",
     "stability_map",
+    "simulate_many",
     "start",
     "unbalance_response",
     "write_model",
@@ -291,6 +293,7 @@ if not TYPE_CHECKING:
                 "Chirp HalfSine Haversine LogarithmicChirp Sawtooth SmoothStep Trapezoid Window"
             ),
             ".signals.recorded": "Recorded RecordedSpline",
+            ".many": "simulate_many",
             ".simulation": "simulate start",
             ".simulator": "Simulator",
         },

@@ -1,5 +1,7 @@
 """Arrays of numbers as the compiled time step expects them."""
 
+from collections.abc import Iterable
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,11 @@ def as_index(values: Any) -> Index:
 def as_rows(vectors: Any) -> Array:
     """Three-vectors (n, 3), n = 0 included."""
     return np.array(vectors, dtype=np.float64).reshape(-1, 3)
+
+
+def starts(lengths: Iterable[int]) -> Index:
+    """The first of each of some ranges that follow one another, and the end of the last."""
+    return as_index([0, *accumulate(lengths)])
 
 
 def distinct(values: Any) -> Any:

@@ -22,7 +22,7 @@ from .history.cost import history_costs
 from .lower.lower import LoweredModel
 from .model.bodies import FlexibleBody
 from .model.model import Model
-from .output.columns import requested
+from .output.columns import check_request
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.validity import ValidityMonitor
@@ -170,10 +170,10 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         check_output(path, model)
     with about(model.path), one_blas_thread():
         lowered, source = lower_to_start(model)
-        requested(lowered)  # as `simulate`: before anything is compiled
+        check_request(lowered)  # as `simulate`: before anything is compiled
         initial = initialize(model, lowered, source)
         lowered = initial.lowered
-        contents, rows = contents_of(lowered), rows_of(lowered) - 1
+        contents, rows = contents_of(lowered, ValidityMonitor(lowered)), rows_of(lowered) - 1
         if path is None:
             check_memory(contents, rows)
         vibrating = without_surfaces(initial)
@@ -350,12 +350,12 @@ def _try(initial: InitialState, exchange: Exchange) -> _Trial:
     n = min(TRIAL_STEPS * lowered.ratio, lowered.n_steps - begin)
     if n == 0:
         return _Trial(0, 0.0, monitor.validity(initial.state, 0))
-    writer = make_writer(None, initial, n)
+    writer = make_writer(None, initial, n, monitor)
     started = time.perf_counter()
     integrate(
         PreparedRun(
             *(initial.lowered, initial.state, initial.work, initial.removed),
-            *(exchange, writer, begin + n),
+            *(exchange, monitor, writer, begin + n),
         )
     )
     measured = (time.perf_counter() - started) / n

@@ -36,8 +36,9 @@ class Phases:
         self, lowered: LoweredModel, state: State, work: Workspace, output: Output
     ) -> None:
         self._lowered, self._state, self._work = lowered, state, work
-        systems = (lowered.system, lowered.flight or lowered.system)
-        self._runs = [Run(system=s, state=state, work=work, output=output) for s in systems]
+        short = Run(system=lowered.system, state=state, work=work, output=output)
+        flight = lowered.flight
+        self._runs = [short, short if flight is None else short.replace(system=flight)]
         self._most = [MIN_STEPS_AT_ONCE, MIN_STEPS_AT_ONCE]
         self._refused = -1
         """the step after which a long one was taken back"""

@@ -331,7 +331,8 @@ def _signals(model: Model) -> Iterator[tuple[str, Signal]]:
                 yield from (
                     (f"{table}.{entry.name}.{key}", signal)
                     for signal in signals
-                    if isinstance(signal, Signal)
+                    # A protocol is slow to ask for: numbers, names and arrays are no functions.
+                    if callable(signal) and isinstance(signal, Signal)
                 )
 
 

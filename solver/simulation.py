@@ -2,15 +2,18 @@
 
 import os
 import time
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 
 from ..files.blas import one_blas_thread
+from ..files.kept_warnings import warn
 from ..files.progress import Progress, Work
 from ..results.batches import Energies
 from ..results.file import FileWriter
@@ -36,7 +39,7 @@ from .lower.lower import LoweredModel, lower
 from .model.model import Model
 from .model.settings import Settings
 from .output.branches import Branches
-from .output.columns import requested
+from .output.columns import check_request
 from .output.inputs import signal_warnings
 from .output.keeper import (
     FileKeeper,
@@ -69,6 +72,8 @@ from .step.system import Inputs, Run, State, Workspace
 
 BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
+RUN_INTERRUPT: ContextVar[Event | None] = ContextVar("interrupt", default=None)
+"""what interrupts runs in this thread, beside the keyboard, which interrupts the main thread"""
 
 
 def simulate(
@@ -176,7 +181,7 @@ def _run(model: Model, output: Path | None, progress: bool, steps: int | None = 
     with about(model.path), one_blas_thread():
         lowered, source = lower_to_start(model)
         # Compilation takes many seconds: all that can be refused is refused before.
-        requested(lowered)  # refuses what there is not, before anything is compiled
+        check_request(lowered)
         initial = initialize(model, lowered, source)
         restartable = output is not None and model.settings.checkpoint is not None
         initial, exchange = start_beside(initial, lowered, source, restartable=restartable)
@@ -196,11 +201,13 @@ def _run_from(
         check_range(initial.lowered, initial.state, 0)
         # The stack level is that of the caller of `simulate`.
         _warn(start_warnings(initial), stacklevel=5)
-        writer = make_writer(output, initial, total)
+        monitor = ValidityMonitor(initial.lowered)
+        writer = make_writer(output, initial, total, monitor)
         # A state beside the new file would be taken for that of the new run.
         forget_checkpoint(writer)
     prepared = PreparedRun(
-        initial.lowered, initial.state, initial.work, initial.removed, exchange, writer, total
+        *(initial.lowered, initial.state, initial.work, initial.removed),
+        *(exchange, monitor, writer, total),
     )
     return _finish(prepared, progress)
 
@@ -235,9 +242,11 @@ def _resume(model: Model, output: Path, progress: bool, force: bool) -> Results:
         with about(model.path), one_blas_thread():
             exchange.bind(state, work)
             exchange.resume(beside)
-            writer = resume_writer(output, lowered, kept)
+            monitor = ValidityMonitor(lowered)
+            writer = resume_writer(output, lowered, kept, monitor)
         prepared = PreparedRun(
-            lowered, state, work, removed, exchange, writer, lowered.n_steps, True, *start_of(kept)
+            *(lowered, state, work, removed, exchange, monitor, writer, lowered.n_steps, True),
+            *start_of(kept),
         )
         return _finish(prepared, progress)
 
@@ -261,6 +270,7 @@ class PreparedRun:
     work: Workspace
     removed: RemovedRows
     exchange: Exchange
+    monitor: ValidityMonitor
     writer: Writer
     total: int
     resumed: bool = False
@@ -320,7 +330,7 @@ def _left(prepared: PreparedRun) -> str:
 
 def _warn(lines: Iterable[str], stacklevel: int) -> None:
     for line in lines:
-        warnings.warn(line, ValidityWarning, stacklevel=stacklevel)
+        warn(line, ValidityWarning, stacklevel=stacklevel)
 
 
 def integrate(prepared: PreparedRun, progress: bool = False) -> None:
@@ -330,12 +340,12 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
     # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
-    branches = Branches(lowered)
-    monitor, convolution = ValidityMonitor(lowered), DyadicConvolution(lowered.system.elastic)
+    branches, monitor, interrupt = Branches(lowered), prepared.monitor, RUN_INTERRUPT.get()
+    convolution = DyadicConvolution(lowered.system.elastic)
     with (
         prepared.keeper() as keeper,
         Recorder(writer, lowered, state, work, prepared.start) as recorder,
-        _validity_written_at_end(prepared, begin, monitor),
+        _validity_written_at_end(prepared, begin),
         Progress(Work("simulating", total), shown=progress) as shown,
     ):
         phases = Phases(lowered, state, work, recorder.output)
@@ -343,12 +353,14 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
             run = Run(system=lowered.system, state=state, work=work, output=recorder.output)
             record(run, 0)
             exchange.keep(recorder.output, np.zeros(1, dtype=np.int64), np.array([done]))
-            writer.check(monitor.values(state, done - begin))
             recorder.keep_start(done)
         shown.advance(done, free=True)
         keeper.step_taken(done, recorder)
-        checked = time.perf_counter()
+        # A file has checks from its first rows on; results in memory are read at the end alone.
+        checked = -inf
         while done < total:
+            if interrupt is not None and interrupt.is_set():
+                raise KeyboardInterrupt
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))
@@ -384,15 +396,13 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
 
 
 @contextmanager
-def _validity_written_at_end(
-    prepared: PreparedRun, begin: int, monitor: ValidityMonitor
-) -> Iterator[None]:
+def _validity_written_at_end(prepared: PreparedRun, begin: int) -> Iterator[None]:
     """The validity of a run is written when it ends, in whatever way."""
     try:
         yield
     finally:
         taken = int(prepared.state.step[0]) - begin
-        prepared.writer.check(monitor.values(prepared.state, taken))
+        prepared.writer.check(prepared.monitor.values(prepared.state, taken))
 
 
 def signals(lowered: LoweredModel, first: int, rows: Index, stride: int = 1) -> Inputs:

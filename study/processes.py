@@ -10,6 +10,7 @@ from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
+from ..files.cores import usable_cores
 from ..files.memory import available
 from .case import Case, Kind
 from .workers import Report, attempt
@@ -111,10 +112,8 @@ def on_processes(
 
 
 def _cores() -> int:
-    """Those that this process may use, where the system says it, and has memory for."""
-    is_known = hasattr(os, "sched_getaffinity")
-    cores = len(os.sched_getaffinity(0)) if is_known else os.cpu_count() or 1
-    return max(1, min(cores, int(available() // BYTES_OF_PROCESS)))
+    """Those that this process may use and has memory for."""
+    return max(1, min(usable_cores(), int(available() // BYTES_OF_PROCESS)))
 
 
 def _hand_over(worker: Worker, case: Case) -> None:

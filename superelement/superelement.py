@@ -1,13 +1,14 @@
 """The superelement: the data of an elastic body that a multibody solver needs."""
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from ..files.arrays import Array
 from ..files.html import listed, table
+from ..files.kept_warnings import warn
 from . import summary
 from .channels import Channels
 from .interface import Interface
@@ -204,7 +205,7 @@ class Superelement:
         by_modes = 0.25 / h_min if h_min > 0.0 else np.inf
         return float(min(by_modes, self.kernel.band or np.inf))
 
-    @property
+    @cached_property
     def size(self) -> float:
         """The length of the body [m]: of a uniform bar of its mass and largest moment of inertia.
 
@@ -383,7 +384,7 @@ class Superelement:
             raise SuperelementError(f"{self.name}: no modes")
         # Not for a last digit that differs by rounding.
         if h < modes.h_min * (1.0 - 1e-9):
-            warnings.warn(
+            warn(
                 f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "
                 f"{0.25 / modes.h_min:g} Hz; asked for steps of {h:g} s, "
                 f"which resolve {0.25 / h:g} Hz",

@@ -109,6 +109,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "cosimulation",
         "plausibility",
         "simulation",
+        "many",
         "inspection",
         "stepper",
         "simulator",

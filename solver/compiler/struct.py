@@ -5,12 +5,13 @@ followed by those of its dimensions that are not constant; a record within lies 
 do not change while the record lives: what moves are the elements of its arrays.
 """
 
+import ctypes
 import math
 import operator
 import struct
 from collections.abc import Iterator, Mapping
-from functools import cache
-from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, dataclass_transform
 
 import numpy as np
 
@@ -18,7 +19,10 @@ from ..arrays import Array, Index
 
 # A number of floating point is a word by its bits.
 _DOUBLE, _WORD = struct.Struct("=d"), struct.Struct("=q")
-WORD_BYTES, LINE_WORDS, BLOCK_WORDS = 8, 8, 1 << 13
+WORD_BYTES, LINE_WORDS = 8, 8
+NO_BYTES = ctypes.c_char * 0
+MAX_SMALL = 1 << 10
+"""elements of an array that shares its memory with others"""
 
 
 class ArrayField(NamedTuple):
@@ -43,7 +47,7 @@ class ArrayField(NamedTuple):
         if not array.flags.c_contiguous:
             raise TypeError(f"expected a contiguous array {self}, found strides {array.strides}")
         # Constant dimensions are part of the compiled code, and need no word.
-        return [array.__array_interface__["data"][0], *[shape[i] for i in variable]]
+        return [_address(array), *[shape[i] for i in variable]]
 
     def shape(self, sizes: Mapping[str, int]) -> list[int]:
         return [dim if isinstance(dim, int) else sizes[dim] for dim in self.dims]
@@ -136,30 +140,45 @@ class Struct:
         # words.
         self.__dict__.update(values)
         self.__dict__["words"] = words
-        self.__dict__["address"] = words.__array_interface__["data"][0]
+        self.__dict__["address"] = _address(words)
 
     @classmethod
     def allocate(cls, sizes: Mapping[str, int]) -> Self:
         """A record of zeros, with the sizes of all named dimensions."""
-        return cls._of_zeros(sizes, _Zeros())
-
-    @classmethod
-    def _of_zeros(cls, sizes: Mapping[str, int], zeros: "_Zeros") -> Self:
-        values: dict[str, Any] = {}
-        words: list[int] = []
-        for name, (_, kind) in cls.layout.items():
-            if isinstance(kind, ArrayField):
-                values[name], address = zeros.take(kind, shape := kind.shape(sizes))
-                words += [address, *[shape[i] for i in _dimensions(kind.dims)[1]]]
-            elif isinstance(kind, type) and issubclass(kind, Struct):
-                values[name] = kind._of_zeros(sizes, zeros)
-                words += _words(kind, values[name])
-            else:
-                values[name] = kind(0)
-                words.append(0)
+        plan = _plan(cls, tuple(sizes.items()))  # type: ignore[arg-type]
+        words, block = plan.words.copy(), np.zeros(plan.n_small, dtype=np.int64)
+        first = _address(block)
+        words[plan.small] += first
+        large = {at: np.zeros(n, dtype=np.int64) for at, n in plan.large}
+        for at, array in large.items():
+            words[at] = _address(array)
         made = cls.__new__(cls)
-        made._keep(values, words)
+        by_address = {int(words[at]): array for at, array in large.items()}
+        made._lie_in(words, _Memory(block, first, by_address))
         return made
+
+    def _lie_in(self, words: Index, memory: "_Memory") -> None:
+        """Take these words, whose arrays are in this memory: fields are made when asked for."""
+        self.__dict__.update(words=words, address=_address(words), _memory=memory)
+
+    if not TYPE_CHECKING:  # else any name would pass the check of types
+
+        def __getattr__(self, name: str) -> Any:
+            """A field of an allocated record: few of its arrays are ever seen from Python."""
+            if name not in self.layout or "_memory" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__} has no {name}")
+            found = self.__dict__[name] = self._field(*self.layout[name])
+            return found
+
+    def _field(self, at: int, kind: Any) -> Any:
+        memory: _Memory = self.__dict__["_memory"]
+        if isinstance(kind, ArrayField):
+            return memory.array(kind, self.words[at : at + kind.n_words].tolist())
+        if issubclass(kind, Struct):
+            record = kind.__new__(kind)
+            record._lie_in(self.words[at : at + kind.n_words], memory)
+            return record
+        return kind(0)
 
     @classmethod
     def n_elements(cls, sizes: Mapping[str, int]) -> int:
@@ -182,6 +201,18 @@ class Struct:
     def replace(self, **values: Any) -> Self:
         """A record with other values of some fields, which shares all other arrays."""
         return type(self)(**{name: getattr(self, name) for name in self.layout} | values)
+
+    @classmethod
+    def array_fields(cls, first: int = 0) -> Iterator[tuple[int, ArrayField]]:
+        """All arrays, those of records within included, by their first words.
+
+        first: the first word of this record.
+        """
+        for at, kind in cls.layout.values():
+            if isinstance(kind, ArrayField):
+                yield first + at, kind
+            elif kind not in (float, int, bool):
+                yield from kind.array_fields(first + at)
 
     def pointers(self, first: int = 0) -> Iterator[tuple[int, Any]]:
         """All arrays, those of records within included, with the words that have their addresses.
@@ -218,28 +249,64 @@ class Struct:
         return _made, (type(self), {name: getattr(self, name) for name in self.layout})
 
 
-class _Zeros:
-    """Memory of zeros from which small arrays are cut: to ask for each takes longer than a step."""
+class _Memory(NamedTuple):
+    """Zeros: a block from which small arrays are cut, and large ones, by their addresses.
 
-    def __init__(self) -> None:
-        self._block, self._address, self._used = np.empty(0, dtype=np.int64), 0, 0
+    To ask for each small array takes longer than a step.
+    """
 
-    def take(self, kind: ArrayField, shape: list[int]) -> tuple[Any, int]:
-        """An array of zeros and its address."""
-        n = math.prod(shape)
-        if n > BLOCK_WORDS // 8:
-            array = np.zeros(shape, dtype=kind.dtype)
-            return array, array.__array_interface__["data"][0]
-        if self._used + n > len(self._block):
-            self._block = np.zeros(BLOCK_WORDS, dtype=np.int64)
-            self._address, self._used = self._block.__array_interface__["data"][0], 0
-        first = self._used
+    block: Index
+    address: int
+    large: dict[int, Index]
+
+    def array(self, kind: ArrayField, words: list[int]) -> Any:
+        """The array of a field with these words."""
+        address, *lengths = words
+        variable = iter(lengths)
+        shape = [dim if isinstance(dim, int) else next(variable) for dim in kind.dims]
+        if (own := self.large.get(address)) is not None:
+            return own.view(kind.dtype).reshape(shape)
+        return np.ndarray(shape, kind.dtype, self.block, address - self.address)
+
+
+class _Plan(NamedTuple):
+    """What a record of zeros of some sizes is made of.
+
+    words: with the places of small arrays in their block in place of addresses; small: which words
+    these are; n_small: words of the block; large: word and number of elements of each other array.
+    """
+
+    words: Index
+    small: Index
+    n_small: int
+    large: list[tuple[int, int]]
+
+
+@lru_cache(maxsize=64)
+def _plan(cls: type[Struct], sizes: tuple[tuple[str, int], ...]) -> _Plan:
+    """Runs of one model after the other, as of a study, have records of the same sizes."""
+    words = np.zeros(max(cls.n_words, 1), dtype=np.int64)
+    small, large, used, by_name = [], [], 0, dict(sizes)
+    for at, kind in cls.array_fields():
+        shape = kind.shape(by_name)
+        words[at + 1 : at + kind.n_words] = [shape[i] for i in _dimensions(kind.dims)[1]]
+        if (n := math.prod(shape)) > MAX_SMALL:
+            large.append((at, n))
+            continue
+        small.append(at)
+        words[at] = WORD_BYTES * used
         # Each begins a line of the cache.
-        self._used += -(-n // LINE_WORDS) * LINE_WORDS
-        part = self._block[first : first + n]
-        if kind.dtype is not np.int64:
-            part = part.view(kind.dtype)
-        return part.reshape(shape), self._address + WORD_BYTES * first
+        used += -(-n // LINE_WORDS) * LINE_WORDS
+    return _Plan(words, np.array(small, dtype=np.int64), used, large)
+
+
+def _address(array: Any) -> int:
+    try:
+        # Numpy's own interface makes a table of all it knows, which takes six times as long.
+        return ctypes.addressof(NO_BYTES.from_buffer(array))
+    except TypeError:  # an array that must not be written
+        found: int = array.__array_interface__["data"][0]
+        return found
 
 
 def _made(cls: type[Struct], values: dict[str, Any]) -> Struct:

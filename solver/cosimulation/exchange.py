@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Self
 
@@ -41,8 +42,6 @@ class Exchange:
         self.model = lowered.model
         self.lowered = _with_own_gains(lowered) if self.model.fmus else lowered
         """the model, with gains of motors that change with the slopes of FMUs"""
-        self.row = make_output(lowered, 1)
-        """the row of output from which the FMUs get theirs"""
         self._units: list[Unit] = []
         self._failure: ModelError | None = None
         try:
@@ -56,6 +55,11 @@ class Exchange:
             raise
         ends = np.cumsum([0, *(len(unit.fmu.outputs) for unit in self._units)])
         self._columns = [slice(*pair) for pair in pairwise(ends.tolist())]
+
+    @cached_property
+    def row(self) -> Output:
+        """The row of output from which the FMUs get theirs."""
+        return make_output(self.lowered, 1)
 
     def __enter__(self) -> Self:
         return self
@@ -75,11 +79,13 @@ class Exchange:
     def bind(self, state: State, work: Workspace, *, recorded: bool = False) -> None:
         """Be beside a state; recorded: whether `row` is that of each step once it is taken."""
         self._state, self._is_recorded = state, recorded
-        self._run = Run(system=self.lowered.system, state=state, work=work, output=self.row)
+        if self._units:
+            self._run = Run(system=self.lowered.system, state=state, work=work, output=self.row)
 
     def start(self) -> dict[str, float]:
         """Initialize all FMUs; the inputs that they give, by name."""
-        record(self._run, 0)
+        if self._units:
+            record(self._run, 0)
         values: dict[str, float] = {}
         step = int(self._state.step[0])
         for unit in self._units:

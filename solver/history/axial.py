@@ -38,6 +38,7 @@ Frequency and Mode Shape, table 8-1.
 """
 
 from collections.abc import Collection, Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -57,6 +58,9 @@ AXIAL_DIRECTIONS = 3
 MAX_AXIAL_INTERFACES = 40
 # of two lines from which on the softer one stands for both
 PARALLEL_COSINE = 0.9
+
+KNOWN_LINES: WeakKeyDictionary[Superelement, list[tuple[Array, float]]] = WeakKeyDictionary()
+"""of superelements that were asked for: runs of a study share theirs"""
 
 
 def lay_out_axial(bodies: Collection[FlexibleBody], h: float) -> AxialForces:
@@ -106,10 +110,14 @@ def axial_weights(element: Superelement) -> list[Array]:
 
 def _lines(element: Superelement) -> list[tuple[Array, float]]:
     """Directions (3,) with 1 / (P L)."""
-    turning = [interface for interface in element.interfaces if interface.rotations]
-    if len(turning) > 1:
-        return list(_lines_between(element, turning))
-    return list(_line_from(element, turning[0]) if turning else _line_of_bar(element))
+    if element not in KNOWN_LINES:
+        turning = [interface for interface in element.interfaces if interface.rotations]
+        if len(turning) > 1:
+            lines = _lines_between(element, turning)
+        else:
+            lines = _line_from(element, turning[0]) if turning else _line_of_bar(element)
+        KNOWN_LINES[element] = list(lines)
+    return KNOWN_LINES[element]
 
 
 def _lines_between(

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...superelement import Chain
 from ...superelement.chain import Springs
-from ..arrays import Array, as_index
+from ..arrays import Array, as_index, starts
 from ..step.records.elastic import Chains
 
 
@@ -38,8 +38,8 @@ def lay_out_chains(chains: Sequence[Chain | None], n_modes: Sequence[int], h: fl
     hardening = [hardening_of(chain, h, m) for chain, m in zip(chains, n_modes, strict=True)]
     return Chains(
         body=as_index([e for e, _ in chained]),
-        element=as_index(np.cumsum([0, *n_elements])),
-        spring=as_index(np.cumsum([0, *n_springs])[:-1]),
+        element=starts(n_elements),
+        spring=starts(n_springs)[:-1],
         kept=np.concatenate(kept),
         gain=np.concatenate(gain),
         lost=h / tau,

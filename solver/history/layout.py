@@ -7,7 +7,7 @@ import numpy as np
 
 from ...files.memory import shortage
 from ...superelement import Chain, GeneralizedAlpha, Superelement, SuperelementError
-from ..arrays import Array, Index, as_index, distinct
+from ..arrays import Array, Index, as_index, distinct, starts
 from ..errors import ModelError
 from ..model.bodies import FlexibleBody
 from ..model.model import Model
@@ -102,7 +102,7 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
     Bodies with the same superelement share its data.
     """
     bodies = model.flexible_bodies
-    dofs = np.cumsum([0, *(body.n_dofs for body in bodies.values())])
+    dofs = starts(body.n_dofs for body in bodies.values())
     inner = [
         np.arange(last - body.n_inner, last)
         for body, last in zip(bodies.values(), dofs[1:], strict=True)
@@ -131,7 +131,7 @@ def lay_out_elastic(model: Model, frames: Frames, stepping: Stepping) -> tuple[E
     of_body[flexible] = np.arange(len(flexible))
     elastic = Elastic(
         body=flexible,
-        dof=as_index(dofs),
+        dof=dofs,
         active=active,
         active_range=as_index(active_range),
         loaded=loaded,
@@ -188,13 +188,13 @@ def _lay_out_modes(histories: Sequence[_History], owners: Sequence[int], h: floa
     recursions = [history.recursion for history in histories]
     stiffness, damping, step_stiffness = np.hstack([np.empty((3, 0)), *recursions])
     phi, phi_start = packed([history.phi for history in histories], owners)
-    ranges = np.cumsum([0, *(recursion.shape[1] for recursion in recursions)])
+    ranges = starts(recursion.shape[1] for recursion in recursions)
     quasi_static = [
         first + history.quasi_static
         for first, history in zip(ranges.tolist(), histories, strict=False)
     ]
     return Modes(
-        range=as_index(ranges),
+        range=ranges,
         stiffness=stiffness.copy(),
         damping=damping.copy(),
         step_stiffness=step_stiffness.copy(),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...superelement import Rotation
 from ...superelement.rotation import N_INERTIA_CHANGES
-from ..arrays import Array, Index, as_index
+from ..arrays import Array, Index, as_index, starts
 from ..model.bodies import FlexibleBody
 from ..step.records.elastic import SecondOrder
 from .packing import packed
@@ -51,7 +51,7 @@ def lay_out_second_order(bodies: Sequence[FlexibleBody], active: Sequence[Index]
         cubic_start=cubic_start,
         quartic=quartic,
         quartic_start=quartic_start,
-        row=as_index(np.cumsum([0, *(A.size // max(A.shape[0], 1) for A in loaded)])),
+        row=starts(A.size // max(A.shape[0], 1) for A in loaded),
     )
 
 

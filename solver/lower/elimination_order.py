@@ -23,12 +23,13 @@ Davis, I. S. Duff: An approximate minimum degree ordering algorithm (1996), here
 import heapq
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from itertools import accumulate
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Index, as_index
+from ..arrays import Index, as_index, starts
 from ..step.records.couplings import Couplings
 from ..step.records.elastic import Elastic
 from ..step.records.frames import Frames
@@ -123,13 +124,13 @@ def lay_out_pattern(
     updates = [layout.update(k, i) for k in range(len(order)) for i in layout.later[k]]
     return Pattern(
         size=as_index(size),
-        first=_ranges(size),
+        first=starts(size),
         width=as_index(layout.width),
         row=as_index(layout.row),
         lower=as_index(layout.lower),
-        later_range=_ranges([len(nodes) for nodes in layout.later]),
+        later_range=starts([len(nodes) for nodes in layout.later]),
         later=as_index([i for nodes in layout.later for i in nodes]),
-        segment_range=_ranges([len(segments) for segments in updates]),
+        segment_range=starts([len(segments) for segments in updates]),
         segment=_table([segment for segments in updates for segment in segments], 4),
         n_numbers=layout.n_numbers,
         body=as_index(body),
@@ -406,13 +407,13 @@ class _Layout:
         self.lower: list[int] = []
         self.n_numbers = 0
         for k, nodes in enumerate(later):
-            starts = np.cumsum([0, size[k], *(size[i] for i in nodes)]).tolist()
-            self.column.append(dict(zip((k, *nodes), starts, strict=False)))
-            self.width.append(starts[-1])
+            first = [0, *accumulate(size[node] for node in (k, *nodes))]
+            self.column.append(dict(zip((k, *nodes), first, strict=False)))
+            self.width.append(first[-1])
             self.row.append(self.n_numbers)
             # Blocks below the diagonal follow the rows of a node, stored by columns of it.
-            self.lower.append(self.n_numbers + size[k] * starts[-1])
-            self.n_numbers = self.lower[k] + size[k] * (starts[-1] - size[k])
+            self.lower.append(self.n_numbers + size[k] * first[-1])
+            self.n_numbers = self.lower[k] + size[k] * (first[-1] - size[k])
 
     def block(self, i: int, k: int) -> tuple[int, int]:
         """The first number of block (i, k) and the distance of its rows."""
@@ -438,10 +439,6 @@ class _Layout:
                 width += joined
             segments.append((start, stride, column, width))
         return segments
-
-
-def _ranges(lengths: Sequence[int]) -> Index:
-    return as_index(np.cumsum([0, *lengths]))
 
 
 def _table(rows: Sequence[Any], columns: int) -> Index:

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...superelement import GeneralizedAlpha, Superelement
-from ..arrays import Array, as_index, as_rows
+from ..arrays import Array, as_index, as_rows, starts
 from ..couplings.friction import Bristle
 from ..couplings.rows import Pose, Row
 from ..history.layout import Horizon, Responses, Stepping, lay_out_elastic
@@ -31,6 +31,7 @@ from .placement import place_bodies
 from .rows import lay_out_couplings, lay_out_rows
 from .scheme import lay_out_newton, lay_out_scheme, round_up, stepping_of
 from .size import model_size
+from .sizes import sizes_of
 from .surfaces import SurfaceLayout, lay_out_surfaces, plan_surfaces
 
 
@@ -92,7 +93,12 @@ class LoweredModel:
     def longest_step(self) -> float:
         return self.h * self.ratio
 
-    @property
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """The dimensions of `State`, `Workspace` and `Output` by name."""
+        return sizes_of(self.system, self.n_steps)
+
+    @cached_property
     def measures_lengths(self) -> NDArray[np.bool_]:
         """True for every row whose coordinate is a length, not an angle (n_rows,)."""
         return np.array(
@@ -316,7 +322,7 @@ def _lay_out_loads(model: Model, frames: NumberedFrames) -> Loads:
         kind=as_index([load.kind.number for load in loads]),
         moment=as_index([load.kind.moment for load in loads]),
         by_velocity=as_index(by_velocity),
-        first=as_index(np.cumsum([0, *map(len, parameters)])),
+        first=starts(map(len, parameters)),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
         n_by_velocity=sum(by_velocity),
     )

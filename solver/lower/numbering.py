@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import starts
 from ..couplings.coupling import GROUND, Coupling, side_names
 from ..couplings.rows import Pose, Sides
 from ..couplings.surface_contacts import SurfaceContact
@@ -121,7 +122,7 @@ def _skip_inner_dofs(model: Model, frames: Frames) -> None:
     """Dofs of inertia and of q, which are always active, stand behind the interfaces."""
     inner = {name: body.n_inner for name, body in model.flexible_bodies.items()}
     numbers = [inner.get(name, 0) for name in model.bodies]
-    before = np.cumsum([0, *numbers])
+    before = starts(numbers)
     loaded = frames.active >= 0
     frames.active[loaded] += before[frames.body[loaded]]
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...superelement import Surface
-from ..arrays import Array, Index, as_index, as_rows
+from ..arrays import Array, Index, as_index, as_rows, starts
 from ..step.records.surfaces import Facets, Patches
 from .facets import MOST_CORNERS, MOST_NODES, NUMBERED_FACETS, SMOOTH_TYPES, RuleOfFacets, rule_of
 
@@ -312,11 +312,6 @@ def lay_out_facets(patches: Sequence[Patch]) -> Facets:
 def node_starts(patches: Sequence[Patch]) -> Index:
     """The first node of each patch, and the number of all."""
     return starts(patch.surface.n for patch in patches)
-
-
-def starts(lengths: Iterable[int]) -> Index:
-    """The first of each of some ranges that follow one another, and the end of the last."""
-    return as_index(np.cumsum([0, *lengths]))
 
 
 def joined(arrays: Iterable[Array]) -> Array:

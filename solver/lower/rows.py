@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array, Index, as_index, as_rows
+from ..arrays import Array, Index, as_index, as_rows, starts
 from ..couplings.friction import Bristle
 from ..couplings.rows import Row
 from ..signals.signal import SmoothSignal
@@ -23,7 +23,7 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
         b=as_rows([row.b for row in rows]),
         shape=as_index([row.shape for row in rows]),
         size=np.array([row.size for row in rows], dtype=np.float64),
-        first=as_index(np.cumsum([0, *(len(row.parameters) for row in rows)])),
+        first=starts(len(row.parameters) for row in rows),
         parameters=np.array([x for row in rows for x in row.parameters], dtype=np.float64),
         zero=np.array([row.zero for row in rows], dtype=np.float64),
         axis=np.full(len(rows), -1, dtype=np.int64),
@@ -32,7 +32,7 @@ def lay_out_rows(rows: Sequence[Row]) -> Rows:
 
 def _first_drives(drives: Sequence[Sequence[SmoothSignal]]) -> Index:
     """The number of the first drive of each row, -1 of those that have none."""
-    first = np.cumsum([0, *map(len, drives)])[:-1]
+    first = starts(map(len, drives))[:-1]
     return as_index(np.where([bool(signals) for signals in drives], first, -1))
 
 
@@ -44,7 +44,7 @@ def _lay_out_terms(couplings: Sequence[list[Row]]) -> Terms:
         for i, row in enumerate(rows)
         for term in row.terms
     ]
-    before = np.cumsum([0, *map(len, couplings)])
+    before = starts(map(len, couplings))
     return Terms(
         rows=lay_out_rows([term.row for term, _, _ in terms]),
         ratio=np.array([term.ratio for term, _, _ in terms], dtype=np.float64),
@@ -53,7 +53,7 @@ def _lay_out_terms(couplings: Sequence[list[Row]]) -> Terms:
         own=as_index([j if term.same_frames else -1 for term, _, j in terms]),
         # Ranges of n rows have n + 1 ends, so that row i has range[i] to range[i + 1] without a
         # test.
-        range=as_index(np.cumsum([0, *(len(row.terms) for rows in couplings for row in rows)])),
+        range=starts(len(row.terms) for rows in couplings for row in rows),
     )
 
 
@@ -79,7 +79,7 @@ def lay_out_couplings(
         contact_of=_numbers(contacts),
         switching=as_index(np.flatnonzero(np.array(contacts, bool) | np.array(rub, bool))),
         n_compliant=sum(row.compliant for row in rows),
-        range=as_index(np.cumsum([0, *(len(coupling) for coupling in couplings)])),
+        range=starts(map(len, couplings)),
         # Forces are recorded on the second frame as the model names it: in a swapped row that is A.
         second=as_index([0 if row.swapped else 6 for row in rows]),
         drive=first,
@@ -121,11 +121,11 @@ def _lay_out_laws(rows: Sequence[Row]) -> Laws:
         rest=np.array([row.rest for row in rows], dtype=np.float64),
         stiffness=_six_wide([row.stiffness for row in rows]),
         damping=_six_wide([row.damping for row in rows]),
-        range=as_index(np.cumsum([0, *(len(row.laws) for row in rows)])),
+        range=starts(len(row.laws) for row in rows),
         number=as_index([law.number for law in laws]),
-        first=as_index(np.cumsum([0, *map(len, parameters)])),
+        first=starts(map(len, parameters)),
         parameters=np.array([number for numbers in parameters for number in numbers], dtype=float),
-        memory=as_index(np.cumsum([0, *(len(law.memories()) for law in laws)])),
+        memory=starts(len(law.memories()) for law in laws),
         motor=_numbers([row.motor is not None for row in rows]),
         motors=_lay_out_motors(rows),
         tables=_lay_out_tables(rows),

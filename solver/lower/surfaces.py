@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, as_index, as_rows
+from ..arrays import Array, as_index, as_rows, starts
 from ..couplings.surface_contacts import SurfaceContact
 from ..errors import ModelError
 from ..history.layout import Stepping
@@ -16,7 +17,7 @@ from ..model.model import Model
 from ..step.records.elastic import Elastic
 from ..step.records.surfaces import Patches, SurfaceBodies, SurfaceContacts, Surfaces
 from .numbering import NumberedFrames, carrier_name
-from .patches import Patch, lay_out_facets, lay_out_patches, starts
+from .patches import Patch, lay_out_facets, lay_out_patches
 
 DEPTH_BEYOND = 0.5
 """depth behind a patch, over its radius, at which a point is not below it but beyond it"""
@@ -128,6 +129,8 @@ def lay_out_surfaces(
     stepping: Stepping,
 ) -> Surfaces:
     """All arrays of the contacts of surfaces, in steps of a size."""
+    if not layout.contacts:
+        return _without_contacts(len(elastic.modes.stiffness), len(model.pattern_loads))
     patches = lay_out_patches(layout.patches)
     return Surfaces(
         patches=patches,
@@ -135,6 +138,17 @@ def lay_out_surfaces(
         bodies=_lay_out_bodies(model, layout, elastic, stepping),
         contacts=_lay_out_contacts(layout, frames, elastic, patches),
     )
+
+
+@lru_cache(maxsize=64)
+def _without_contacts(n_modes: int, n_pattern_loads: int) -> Surfaces:
+    """The arrays of models without contacts of surfaces, which share them."""
+    dims = {dim for _, one in Surfaces.array_fields() for dim in one.dims}
+    # Ranges of nothing have one end.
+    none = {dim: int(dim.endswith("_1")) for dim in dims if isinstance(dim, str)}
+    surfaces = Surfaces.allocate(none | {"n_m": n_modes, "n_t": n_pattern_loads})
+    surfaces.bodies.spread_start[:] = -1
+    return surfaces
 
 
 def _lay_out_bodies(
@@ -156,7 +170,7 @@ def _lay_out_bodies(
         motions.append(made[key])
     owners = [id(motion) for motion in motions]
     spread = _spread_loads(model, layout, motions)
-    spread_start = np.cumsum([0, *(0 if own is None else len(own) for own in spread)])[:-1]
+    spread_start = starts(0 if own is None else len(own) for own in spread)[:-1]
     spread_start[[own is None for own in spread]] = -1
     n_m = len(elastic.modes.stiffness)
     source, share = np.zeros(n_m, dtype=np.int64), np.zeros(n_m)

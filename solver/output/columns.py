@@ -30,16 +30,24 @@ def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
 
     `ModelError` for an unknown quantity.
     """
-    request, axes = lowered.model.settings.output, axes_of(lowered)
-    owned = [
-        f"{group}/{name}" for group, key in OWNERS_OF_GROUP.items() for name in axes[key].names
-    ]
-    request.check([*owned, "energy", "momentum", "solver"])
+    check_request(lowered)
     files = {
         name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
         for name, body in lowered.model.flexible_bodies.items()
     }
-    return lay_out(axes, files, request.selects, checks)
+    return lay_out(axes_of(lowered), files, lowered.model.settings.output.selects, checks)
+
+
+def check_request(lowered: LoweredModel) -> None:
+    """`ModelError` for an unknown quantity among those that the model requests."""
+    request = lowered.model.settings.output
+    if request.quantities is None:
+        return
+    axes = axes_of(lowered)
+    owned = [
+        f"{group}/{name}" for group, key in OWNERS_OF_GROUP.items() for name in axes[key].names
+    ]
+    request.check([*owned, "energy", "momentum", "solver"])
 
 
 def axes_of(lowered: LoweredModel) -> dict[str, Axis]:

@@ -25,10 +25,10 @@ class Recording:
     def __init__(self, path: Path, initial: InitialState) -> None:
         self._lowered, self._state, self._work = initial.lowered, initial.state, initial.work
         self._begin = int(initial.state.step[0])
-        self._writer = make_writer(path, initial, self._lowered.n_steps)
+        self._monitor = ValidityMonitor(self._lowered)
+        self._writer = make_writer(path, initial, self._lowered.n_steps, self._monitor)
         forget_checkpoint(self._writer)
         self._recorder = Recorder(self._writer, self._lowered, initial.state, initial.work)
-        self._monitor = ValidityMonitor(self._lowered)
         self._last = self._begin - 1
         self._began = time.perf_counter()
 

@@ -32,18 +32,16 @@ class ValidityMonitor:
 
     def __init__(self, lowered: LoweredModel) -> None:
         self._subjects, self._steps = Subjects(lowered), (lowered.longest_step, lowered.h)
-        self.names = tuple(
-            f"{name}:{owner}"
-            for name in CRITERIA
-            for owner in MEASURE_OF_CRITERION[name].owners(self._subjects)
-        )
+        owners = {name: MEASURE_OF_CRITERION[name].owners(self._subjects) for name in CRITERIA}
+        self._judged = [name for name in CRITERIA if owners[name]]
+        self.names = tuple(f"{name}:{owner}" for name in self._judged for owner in owners[name])
 
     def values(self, state: State, taken: int) -> Array:
         """The values of all checks after so many steps, in their order."""
         reading = Reading(self._subjects, state, taken)
         # nan and inf are verdicts here.
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that grows without bound
-            values = [MEASURE_OF_CRITERION[name].values(reading) for name in CRITERIA]
+            values = [MEASURE_OF_CRITERION[name].values(reading) for name in self._judged]
         return np.concatenate([np.empty(0), *values])
 
     def validity(self, state: State, taken: int) -> Validity:

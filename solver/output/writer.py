@@ -57,13 +57,15 @@ def check_output(path: Path, model: Model) -> None:
         raise ResultsError(f"{found}, which the results would replace")
 
 
-def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
+def make_writer(
+    path: Path | None, initial: InitialState, steps: int, monitor: ValidityMonitor
+) -> Writer:
     """A writer to the file at a path, or to memory where the path is None.
 
     `ResultsError` for a file that cannot be written.
     """
     lowered, model = initial.lowered, initial.lowered.model
-    contents, notes = contents_of(lowered), _notes(initial, steps)
+    contents, notes = contents_of(lowered, monitor), _notes(initial, steps)
     if path is None:
         every = lowered.ratio * model.settings.output.every
         check_memory(contents, steps // every + 1)
@@ -72,7 +74,9 @@ def make_writer(path: Path | None, initial: InitialState, steps: int) -> Writer:
     return FileWriter(path, contents, notes, model.source, rows_of(lowered), durable)
 
 
-def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWriter:
+def resume_writer(
+    path: Path, lowered: LoweredModel, state: StateFile, monitor: ValidityMonitor
+) -> FileWriter:
     """A writer that goes on with the file at a path after the rows of a state.
 
     `ResultsError` for a file that does not belong to the state.
@@ -81,13 +85,13 @@ def resume_writer(path: Path, lowered: LoweredModel, state: StateFile) -> FileWr
     steps = lowered.n_steps // lowered.ratio
     notes = {"steps": steps, "truncation": _truncation(lowered), "finished": False}
     notes |= _notes_of_signals(lowered, lowered.n_steps)
-    contents, source = contents_of(lowered), lowered.model.source
+    contents, source = contents_of(lowered, monitor), lowered.model.source
     return FileWriter.resume(path, contents, notes, source, extent, state.run)
 
 
-def contents_of(lowered: LoweredModel) -> Contents:
+def contents_of(lowered: LoweredModel, monitor: ValidityMonitor) -> Contents:
     """The requested contents, the checks of validity, and the bodies in space."""
-    contents = requested(lowered, ValidityMonitor(lowered).names)
+    contents = requested(lowered, monitor.names)
     bodies = contents.axes["body"].names if "body" in contents.axes else ()
     return replace(contents, space=space_of(lowered, bodies))
 

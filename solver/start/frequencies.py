@@ -9,12 +9,11 @@ stiffness that forces, gravity and spin give.
 """
 
 import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...superelement import StepWarning
+from ...files.kept_warnings import kept_warnings
 from ..arrays import Array
 from ..laws.law import LAW_KINDS
 from ..lower.lower import LoweredModel
@@ -69,9 +68,8 @@ def without_surfaces(initial: InitialState) -> InitialState:
         return initial
     if model.settings.start == "equilibrium":
         model = model.with_settings(start="given", steady_rotation=None)
-    with warnings.catch_warnings():
-        # Nothing steps here: modes that end below the band of a step are right as they are.
-        warnings.simplefilter("ignore", StepWarning)
+    # Nothing steps here: modes that end below the band of a step are right as they are.
+    with kept_warnings():
         return initialize(model.without_surfaces())
 
 

@@ -111,8 +111,8 @@ def _rigid_jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Mat
 
 def _jacobian(lowered: LoweredModel, state: State, work: Workspace) -> Matrix:
     """Rows of the constraints against bodies and interfaces, scaled."""
-    _, B_a = constraint_jacobian(lowered.system, state, work)
-    return beside(_rigid_jacobian(lowered, state, work), B_a @ accelerance_root(lowered))
+    B_r, B_a = constraint_jacobian(lowered.system, state, work)
+    return beside(B_r @ geometric_scale(lowered.system), B_a @ accelerance_root(lowered))
 
 
 def _clearly_independent(J: Matrix) -> bool:
