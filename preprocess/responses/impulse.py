@@ -89,9 +89,7 @@ def krylov_found(
 
     solver: another than the body asks for.
     """
-    request = replace(
-        _request(structure, body, stages), solver=solver or solver_of(body.solver)
-    )
+    request = replace(_request(structure, body, stages), solver=solver or solver_of(body.solver))
     modes, shapes, error = krylov_modes(request)
     return with_losses(body, structure, modes, shapes), shapes, error
 
