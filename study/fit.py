@@ -11,7 +11,6 @@ Source: docs/theory.md, Fits.
 """
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log
@@ -22,13 +21,14 @@ import numpy as np
 from ..files import renamed_when_whole, require_no_input
 from ..files.arrays import Array
 from ..inputs import dotted, toml_of
-from ..solver import ValidityWarning, simulate
+from ..results import Results
+from ..solver import simulate
 from .errors import StudyError
 from .measured_series import MeasuredSeries, read_series
 from .one_model import StudyOfOneModel, StudyParameter, read_study_of_one_model
 from .outputs import sampled_over
 from .parametrized import Parametrized
-from .simulation import Simulation
+from .runs import runs_at
 
 JACOBIAN_STEP = 1e-4
 """of the scale of a parameter, for central differences: smooth runs are right to 1e-8 there"""
@@ -195,6 +195,12 @@ class _Axis:
         inside = min(max(start, low + margin), high - margin)
         return cls(name, inside, scale, low, high, parameter.logarithmic)
 
+    def ends(self, value: float) -> tuple[float, float]:
+        """Between which the difference about a value is taken."""
+        step = JACOBIAN_STEP * (abs(value) if self.logarithmic else self.scale)
+        # One-sided at a bound: beyond it the model may not exist.
+        return min(value + step, self.high), max(value - step, self.low)
+
     def inner(self, value: float) -> float:
         return log(value) if self.logarithmic else value / self.scale
 
@@ -220,8 +226,8 @@ class _Problem:
         self._has_shift = bool(axes) and axes[-1].name == SHIFT_NAME
         self._n = sum(len(one.time) for one in series)
         self.runs, self._failure = 0, ""
-        self._last: tuple[dict[str, float], list[tuple[Array, Array]]] | None = None
-        """values and series of the last run"""
+        self._last: tuple[dict[str, float], Results | Exception] | None = None
+        """values and outcome of the last run"""
 
     def check(self, inner: Array) -> None:
         """`StudyError` where there is no run at the start, or not up to the end of a series."""
@@ -236,24 +242,24 @@ class _Problem:
                 )
 
     def residuals(self, inner: Array) -> Array:
-        return self._residuals_at(self._values(inner), self._shift(inner))
+        return self._residuals_of(self._run(self._values(inner)), self._shift(inner))
 
     def jacobian(self, inner: Array) -> Array:
         values, columns = self._values(inner), []
-        # First, as long as the last run is that at these values.
-        by_shift = [self._by_shift(values, self._shift(inner))] if self._has_shift else []
-        for axis in self._axes:
-            if axis.name == SHIFT_NAME:
-                continue
-            value = values[axis.name]
-            step = JACOBIAN_STEP * (abs(value) if axis.logarithmic else axis.scale)
-            # One-sided at a bound: beyond it the model may not exist.
-            ends = min(value + step, axis.high), max(value - step, axis.low)
-            ahead, back = (
-                self._residuals_at({**values, axis.name: end}, self._shift(inner)) for end in ends
-            )
-            columns.append((ahead - back) / (ends[0] - ends[1]) * axis.slope(value))
-        found = np.array([*columns, *by_shift]).T
+        axes = [axis for axis in self._axes if axis.name != SHIFT_NAME]
+        ends = [axis.ends(values[axis.name]) for axis in axes]
+        points = [
+            {**values, axis.name: end}
+            for axis, both in zip(axes, ends, strict=True)
+            for end in both
+        ]
+        parts = [self._residuals_of(run, self._shift(inner)) for run in self._runs(points)]
+        for axis, (high, low), ahead, back in zip(axes, ends, parts[::2], parts[1::2], strict=True):
+            columns.append((ahead - back) / (high - low) * axis.slope(values[axis.name]))
+        run = self._run(values)
+        if self._has_shift and isinstance(run, Results):
+            columns.append(self._by_shift(run, self._shift(inner)))
+        found = np.array(columns).T
         if not np.isfinite(found).all():
             raise StudyError(f"the model does not run beside {values}: {self._failure}")
         return found
@@ -313,40 +319,34 @@ class _Problem:
     def _shift(self, inner: Array) -> float:
         return float(inner[-1]) if self._has_shift else 0.0
 
-    def _residuals_at(self, values: Mapping[str, float], shift: float) -> Array:
-        """(n,), infinite where the run fails: the search then takes a shorter step."""
-        try:
-            return np.concatenate(
-                [
-                    weight * (np.interp(one.time - shift, time, samples) - one.values)
-                    for one, weight, (time, samples) in self._compared(values)
-                ]
-            )
-        except Simulation().failures as error:
-            self._failure = str(error)
+    def _residuals_of(self, run: Results | Exception, shift: float) -> Array:
+        """(n,), infinite of a run that failed: the search then takes a shorter step."""
+        if isinstance(run, Exception):
+            self._failure = str(run)
             return np.full(self._n, np.inf)
-
-    def _by_shift(self, values: Mapping[str, float], shift: float) -> Array:
         return np.concatenate(
             [
-                -weight * np.interp(one.time - shift, time, np.gradient(samples, time))
-                for one, weight, (time, samples) in self._compared(values)
+                weight * (np.interp(one.time - shift, *self._sampled(run, one)) - one.values)
+                for one, weight in zip(self._series, self._weights, strict=True)
             ]
         )
 
-    def _compared(
-        self, values: Mapping[str, float]
-    ) -> Iterator[tuple[MeasuredSeries, float, tuple[Array, Array]]]:
-        """Each series with its weight and what a run has in its place."""
+    def _by_shift(self, run: Results, shift: float) -> Array:
+        columns = []
+        for one, weight in zip(self._series, self._weights, strict=True):
+            time, values = self._sampled(run, one)
+            columns.append(-weight * np.interp(one.time - shift, time, np.gradient(values, time)))
+        return np.concatenate(columns)
+
+    def _sampled(self, run: Results, one: MeasuredSeries) -> tuple[Array, Array]:
+        return sampled_over(run, one.name, one.quantity)
+
+    def _run(self, values: Mapping[str, float]) -> Results | Exception:
         # The search asks for the residuals, and then for the derivatives there.
         if self._last is None or self._last[0] != values:
-            self._last = dict(values), self._run(values)
-        yield from zip(self._series, self._weights, self._last[1], strict=True)
+            self._last = dict(values), self._runs([values])[0]
+        return self._last[1]
 
-    def _run(self, values: Mapping[str, float]) -> list[tuple[Array, Array]]:
-        self.runs += 1
-        with warnings.catch_warnings():
-            # The run at the start has told them.
-            warnings.simplefilter("ignore", ValidityWarning)
-            results = simulate(self._family.make(values))
-        return [sampled_over(results, one.name, one.quantity) for one in self._series]
+    def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
+        self.runs += len(points)
+        return runs_at(self._family, points)

@@ -1,7 +1,6 @@
 """Derivatives of what a run gives by the parameters of its model."""
 
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,13 +10,13 @@ from numpy.typing import NDArray
 from ..files.arrays import Array
 from ..inputs import dotted
 from ..results import Results
-from ..solver import Model, ValidityWarning, simulate
+from ..solver import Model, simulate
 from .differences import DIFFERENCE_STEPS, LEAST_STEPS, slopes_of
 from .errors import StudyError
 from .one_model import read_study_of_one_model
 from .outputs import is_series, sampled_over, units, values
 from .parametrized import Parametrized, of_function, of_model
-from .simulation import Simulation
+from .runs import runs_at
 
 SENSITIVITY_METHODS = ("differences",)
 SWITCH_NOTE = "switches within the run: the error is that of the widest difference"
@@ -187,14 +186,14 @@ def _scale(name: str, value: float, scales: Mapping[str, float]) -> float:
 
 def _differences(family: Parametrized, name: str, scale: float, asked: "_Asked") -> Array:
     """D of each step and number (5, m); no numbers where a run failed."""
-    found = []
-    for step in (DIFFERENCE_STEPS * scale).tolist():
-        value = family.values[name]
-        # The difference of what was really put in: steps of 1e-6 are rounded.
-        ends = value + step, value - step
-        numbers = [asked.of_run(family, {**family.values, name: end}) for end in ends]
-        found.append((numbers[0] - numbers[1]) / (ends[0] - ends[1]))
-    return np.array(found)
+    value = family.values[name]
+    ends = np.array([value + DIFFERENCE_STEPS * scale, value - DIFFERENCE_STEPS * scale])
+    points = [{**family.values, name: end} for end in ends.ravel().tolist()]
+    numbers = np.array([asked.of_run(run) for run in runs_at(family, points)])
+    above, below = np.split(numbers, 2)
+    # By the difference of what was really put in: steps of 1e-6 are rounded.
+    found: Array = (above - below) / (ends[0] - ends[1])[:, None]
+    return found
 
 
 class _Asked:
@@ -228,16 +227,12 @@ class _Asked:
             found.append(column if same else np.interp(abscissa, own, column))
         return np.concatenate(found)
 
-    def of_run(self, family: Parametrized, changed: Mapping[str, float]) -> Array:
-        """The numbers of a run with these values; none of one that fails."""
-        try:
-            with warnings.catch_warnings():
-                # Those of the run itself have been told.
-                warnings.simplefilter("ignore", ValidityWarning)
-                return self.numbers(simulate(family.make(changed)))
-        except Simulation().failures as error:
-            self.failure = str(error)
-            return np.full(self._n, np.nan)
+    def of_run(self, run: Results | Exception) -> Array:
+        """The numbers of a run; none of one that failed."""
+        if isinstance(run, Results):
+            return self.numbers(run)
+        self.failure = str(run)
+        return np.full(self._n, np.nan)
 
     def noted(self, name: str, switches: NDArray[np.bool_]) -> Iterator[str]:
         """Lines about outputs whose differences by a parameter scatter."""
