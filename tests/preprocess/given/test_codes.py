@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista
 import scipy.sparse as sp
 from duhamel.preprocess import Body, BodyError, MatrixError, MeshWarning, assemble, build
 from duhamel.preprocess.given import ansys_full
@@ -20,6 +21,7 @@ from duhamel.preprocess.mesh.nodes import spider
 from duhamel.preprocess.mesh.reading import read_mesh
 from scipy.linalg import eigh
 
+from ..ansys_files import ansys_examples
 from ..conftest import IMPULSE
 
 CODES = Path(__file__).parent / "codes"
@@ -276,8 +278,7 @@ def test_matrices_that_nastran_punched(tmp_path):
 @pytest.fixture(scope="module")
 def ansys() -> Path:
     """A cantilever of 40 SOLID186 that comes with the reader, of which 21 nodes are held."""
-    examples = pytest.importorskip("ansys.mapdl.reader.examples")
-    return Path(examples.fullfile)
+    return ansys_examples() / "file.full"
 
 
 def test_rows_of_ansys_belong_to_its_nodes(ansys):
@@ -285,7 +286,10 @@ def test_rows_of_ansys_belong_to_its_nodes(ansys):
 
     With a wrong order of rows or of dofs they would. The archive has the mesh of the same beam.
     """
+    theme = pyvista.global_theme
+    before = theme.cmap, theme.font.family, theme.title
     full = read_full(ansys)
+    assert (theme.cmap, theme.font.family, theme.title) == before
     assert len(full.constrained) == 63
     with pytest.warns(MeshWarning, match="materials"):
         mesh = read_mesh(ansys.with_name("HexBeam.cdb"))
