@@ -1,5 +1,7 @@
 """The outline of a body: the boundary of solids and shells, or lines swept by sections."""
 
+import warnings
+
 import numpy as np
 
 from ..superelement import Outline
@@ -7,6 +9,7 @@ from ..superelement.cells import IntArray, padded
 from ..superelement.validation import Array
 from .assembly.source import Source
 from .body.material import Section
+from .errors import MeshError, MeshWarning
 from .sources.given import GivenSource
 from .sources.lines import LineSource
 
@@ -25,7 +28,12 @@ def outline_of(source: Source, center: Array) -> Outline | None:
     if isinstance(source, GivenSource):
         if source.elements is None:
             return None
-        corners, cells = source.elements.surface()
+        try:
+            corners, cells = source.elements.surface()
+        except MeshError as error:
+            # The matrices are whole without a picture: elements may be tied that do not fit.
+            warnings.warn(f"{source.name}: no outline: {error}", MeshWarning, stacklevel=2)
+            return None
         return Outline(corners - center, cells)
     if isinstance(source, LineSource):
         return swept(source, center)

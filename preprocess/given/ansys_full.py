@@ -1,5 +1,7 @@
 """Stiffness and mass of an ANSYS file .full, by ansys-mapdl-reader, an extra."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,9 +73,23 @@ def read_full(path: Path) -> FullFile:
     return FullFile(sp.coo_array(K), sp.coo_array(M), rows, constrained)
 
 
+@contextmanager
+def _unchanged_theme() -> Iterator[None]:
+    """The library sets colors and fonts of PyVista as it is imported: ours are to stay."""
+    import pyvista
+
+    theme = pyvista.global_theme
+    kept = theme.cmap, theme.font.family, theme.title
+    try:
+        yield
+    finally:
+        theme.cmap, theme.font.family, theme.title = kept
+
+
 def _reader() -> Any:
     try:
-        from ansys.mapdl.reader.full import FullFile as Reader
+        with _unchanged_theme():
+            from ansys.mapdl.reader.full import FullFile as Reader
     except ImportError as error:
         raise MatrixError(
             "reading ANSYS .full takes ansys-mapdl-reader: pip install 'duhamel[ansys]'"

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista
 import scipy.sparse as sp
 from duhamel.preprocess import Body, BodyError, MatrixError, MeshWarning, assemble, build
+from duhamel.preprocess.given import ansys_full
 from duhamel.preprocess.given.ansys_full import read_full
 from duhamel.preprocess.given.dmig import read_dmig
 from duhamel.preprocess.given.matrix_names import MASS_NAMES, STIFFNESS_NAMES
@@ -19,6 +21,7 @@ from duhamel.preprocess.mesh.nodes import spider
 from duhamel.preprocess.mesh.reading import read_mesh
 from scipy.linalg import eigh
 
+from ..ansys_files import ansys_examples
 from ..conftest import IMPULSE
 
 CODES = Path(__file__).parent / "codes"
@@ -275,8 +278,7 @@ def test_matrices_that_nastran_punched(tmp_path):
 @pytest.fixture(scope="module")
 def ansys() -> Path:
     """A cantilever of 40 SOLID186 that comes with the reader, of which 21 nodes are held."""
-    examples = pytest.importorskip("ansys.mapdl.reader.examples")
-    return Path(examples.fullfile)
+    return ansys_examples() / "file.full"
 
 
 def test_rows_of_ansys_belong_to_its_nodes(ansys):
@@ -284,7 +286,10 @@ def test_rows_of_ansys_belong_to_its_nodes(ansys):
 
     With a wrong order of rows or of dofs they would. The archive has the mesh of the same beam.
     """
+    theme = pyvista.global_theme
+    before = theme.cmap, theme.font.family, theme.title
     full = read_full(ansys)
+    assert (theme.cmap, theme.font.family, theme.title) == before
     assert len(full.constrained) == 63
     with pytest.warns(MeshWarning, match="materials"):
         mesh = read_mesh(ansys.with_name("HexBeam.cdb"))
@@ -298,6 +303,32 @@ def test_a_constrained_model_of_ansys_is_refused(ansys, calculix):
     files = {"stiffness": ansys, "nodes": calculix["nodes"]}
     with pytest.raises(MatrixError, match=r"file.full: .*free body, found 63 constrained dofs"):
         assemble(body(ENDS, matrices=files))
+
+
+def test_a_free_body_of_ansys(calculix, tmp_path, monkeypatch):
+    """What the reader gives: upper halves, and dofs from 0, of nodes in the order of labels."""
+    whole = assemble(body(ENDS, matrices=calculix))
+    order = np.arange(whole.nodes.n_dofs).reshape(-1, 3)[::-1].ravel()
+    K, M = (sp.triu(matrix.tocsr()[order][:, order]) for matrix in (whole.K, whole.M))
+    labels = np.array(
+        [int(word.partition(".")[0]) for word in calculix["dofs"].read_text().split()]
+    )
+    nodes = np.unique(labels)
+
+    class Reader:
+        const = np.zeros((0, 2))
+
+        def __init__(self, path: str) -> None:
+            self._header = {"ptrEND": 1}
+
+        def load_km(self, sort: bool) -> Any:
+            return np.column_stack([np.repeat(nodes, 3), np.tile([0, 1, 2], len(nodes))]), K, M
+
+    monkeypatch.setattr(ansys_full, "_reader", lambda: Reader)
+    (tmp_path / "file.full").write_bytes(bytes(8))
+    files = {"stiffness": tmp_path / "file.full", "nodes": calculix["nodes"]}
+    found = assemble(body(ENDS, matrices=files))
+    assert frequencies(found)[6:] == pytest.approx(frequencies(whole)[6:], rel=1e-12)
 
 
 def test_without_the_reader_of_ansys(ansys, calculix, monkeypatch):
@@ -335,6 +366,20 @@ def test_recovery_and_stiffening_by_elements_beside_the_matrices(calculix):
     assert np.abs(stress - own_stress).max() <= 1e-9 * np.abs(own_stress).max()
     assert np.abs(own.rotation.kappa).max() > 0.0
     np.testing.assert_allclose(given.rotation.kappa, own.rotation.kappa, rtol=1e-9)
+
+
+def test_elements_that_do_not_fit_leave_the_matrices_without_an_outline(calculix, tmp_path):
+    """A linear hexahedron beside a quadratic one, as ties connect them."""
+    text = calculix["nodes"].read_text()
+    lines = text.splitlines()
+    last = next(i for i, line in enumerate(lines) if line.startswith("2, "))
+    lines[last] = ", ".join(lines[last].split(", ")[:9])
+    lines[last + 1] = "** nodes of edges"
+    lines.insert(last, "*ELEMENT, TYPE=C3D8, ELSET=BAR")
+    (tmp_path / "tied.inp").write_text("\n".join(lines))
+    with pytest.warns(MeshWarning, match=r"tied.inp: no outline: "):
+        made = build(body(ENDS, matrices={**calculix, "nodes": tmp_path / "tied.inp"}))
+    assert made.outline is None
 
 
 def test_a_reduced_model_has_an_outline_and_no_fields(substructure):

@@ -8,6 +8,8 @@ from duhamel.preprocess import MeshError, MeshWarning
 from duhamel.preprocess.elements.solid import volumes
 from duhamel.preprocess.mesh.reading import read_draft, read_mesh
 
+from ...ansys_files import ansys_examples
+
 NODES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 ELEMENT = (1, 1, 1, 1, 0, 0, 0, 0, 8, 0, 9, 10, 20, 30, 40, 50, 60, 70, 80)
 CUBE = "\n".join(
@@ -53,9 +55,8 @@ def test_nodes_elements_and_components(tmp_path):
 
 def test_an_archive_that_ansys_wrote():
     """The beam of 40 SOLID186 beside the reader of .full files."""
-    examples = pytest.importorskip("ansys.mapdl.reader.examples")
     with pytest.warns(MeshWarning):
-        mesh = read_mesh(examples.hexarchivefile)
+        mesh = read_mesh(ansys_examples() / "HexBeam.cdb")
     assert volumes(mesh).sum() == pytest.approx(5.0, rel=1e-12)
     assert len(mesh.groups["NCOMP2"].points) == 98
 
