@@ -68,11 +68,11 @@ def _planar_bar(items: Any, place: list[float], velocity: list[float]) -> int:
     bar: int = items.AddObject(
         ObjectRigidBody2D(physicsMass=1.0, physicsInertia=1.0 / 12.0, nodeNumber=node)
     )
-    _weigh(items, bar, [0.0, -GRAVITY, 0.0])
+    weigh(items, bar, [0.0, -GRAVITY, 0.0])
     return bar
 
 
-def _weigh(items: Any, body: int, gravity: list[float]) -> None:
+def weigh(items: Any, body: int, gravity: list[float]) -> None:
     marker = items.AddMarker(MarkerBodyMass(bodyNumber=body))
     items.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=gravity))
 
@@ -118,7 +118,7 @@ def _rod(items: Any, center: Array, turn: Rotation) -> int:
     rod: int = items.AddObject(
         ObjectRigidBody(mass=1.0, inertia=[0.01 / 6, across, across, 0, 0, 0], nodeNumber=node)
     )
-    _weigh(items, rod, [0.0, -GRAVITY, 0.0])
+    weigh(items, rod, [0.0, -GRAVITY, 0.0])
     return rod
 
 
@@ -254,11 +254,18 @@ def revolute(items: Any, one: Side, other: Side, axes: Rotation) -> None:
 
 
 def clamp_to_drive(
-    items: Any, place: Array, axes: Rotation, clamped: Side, angle: Callable[[float], float]
+    items: Any,
+    place: Array,
+    axes: Rotation,
+    clamped: Side,
+    angle: Callable[[float], float],
+    axis: int = 2,
 ) -> int:
-    """A hub that turns about z of `axes`, by six prescribed coordinates, with a beam clamped to it.
+    """A hub that turns about an axis of `axes`, by six prescribed coordinates, with a beam clamped
+    to it.
 
-    The joint of the clamp.
+    The joint of the clamp. About x take axis 0 of straight axes: Tait and Bryan's angles, about x,
+    y and z in turn, are singular where z points along x.
     """
     reference = [*place, *axes.as_euler("XYZ")]
     hub = items.AddNode(NodeRigidBodyRxyz(referenceCoordinates=reference))
@@ -270,7 +277,9 @@ def clamp_to_drive(
         held = items.AddMarker(MarkerNodeCoordinate(nodeNumber=hub, coordinate=coordinate))
         follow: dict[str, Any] = {"offsetUserFunction": lambda _m, t, _i, _o: angle(t)}
         items.AddObject(
-            CoordinateConstraint(markerNumbers=[still, held], **(follow if coordinate == 5 else {}))
+            CoordinateConstraint(
+                markerNumbers=[still, held], **(follow if coordinate == 3 + axis else {})
+            )
         )
     marker, turn = clamped
     drive: int = items.AddObject(

@@ -119,3 +119,10 @@ def test_a_beam_buckles_sideways_as_soon_as_it_has_enough_bodies(example):
     assert fine.error < 0.04
     assert 3.5 < coarse.error / fine.error < 5.0
     assert fine.upwards[-1] == pytest.approx(8.392e-3, rel=0.02)
+
+
+def test_a_shaft_runs_up_to_its_critical_speed(example):
+    """The halves of second order bend by 0.11 rad; the last digits are those of the reference."""
+    solve = example("benchmarks/rotating_shaft").solve
+    assert solve(2, True, 5e-4, 1.25).error < 1e-3
+    assert solve(1, True, 1e-3, 1.25).error < 0.02

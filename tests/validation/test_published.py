@@ -13,6 +13,7 @@ pytest.importorskip("exudyn")
 import published
 from peer.lateral_buckling import lateral_buckling
 from peer.published import beam_section, princeton_tip
+from peer.rotating_shaft import rotating_shaft
 
 pytestmark = [
     pytest.mark.validation,
@@ -54,3 +55,17 @@ def test_a_beam_that_buckles_sideways():
     coarse, fine = (lateral_buckling(n, 5e-4, model.AT).tip[-1] for n in (32, 64))
     assert limit(coarse[1], fine[1]) == pytest.approx(model.SIDEWAYS, rel=1e-3)
     assert limit(coarse[2], fine[2]) == pytest.approx(model.UPWARDS, rel=1e-3)
+
+
+def test_a_shaft_runs_through_its_critical_speed():
+    """Steps of 1 and 0.5 ms give the limit of small steps, too."""
+    import rotating_shaft as model
+
+    def places(elements, step):
+        rows = np.round(model.TIMES / step).astype(int)
+        return rotating_shaft(elements, step, model.TIMES[-1]).tip[rows, 1:]
+
+    coarse = places(32, 1e-3)
+    fine = limit(coarse, places(64, 1e-3)) + 4.0 / 3.0 * (places(32, 5e-4) - coarse)
+    largest = np.linalg.norm(model.REFERENCE, axis=1).max()
+    assert np.linalg.norm(fine - model.REFERENCE, axis=1).max() / largest < 5e-4
