@@ -107,6 +107,7 @@ def gauge_rows(source: MeshOfShells, point: Array, direction: Array) -> Any:
         )
     c, s = direction @ e1, direction @ e2
     row = np.array([c * c, s * s, c * s]) @ (strains[0, 0, :3] + place.z * strains[0, 0, 3:6])
+    # A gauge a little off the surface lies on it: its direction there has a length of one.
     return _spread(source, place, row[None] / (c * c + s * s))
 
 

@@ -109,6 +109,7 @@ class ShellSource:
     @cached_property
     def shells(self) -> Mapping[str, Shells]:
         """The elements of each type, which are known to be sound."""
+        # Cheap checks of the mesh, before any matrix is made of it.
         self._check_corners()
         self._check_doubles()
         self._check_sides()
@@ -237,6 +238,7 @@ class ShellSource:
     @cached_property
     def _radius(self) -> float:
         """The radius of gyration of a section, of the mean thickness [m]."""
+        # One for all: it only weighs rotations beside displacements, and rigid motions stay exact.
         thickness = [laminate.z[1] - laminate.z[0] for laminate in self.laminates.values]
         return float(np.mean(thickness) / np.sqrt(12.0))
 
