@@ -134,7 +134,9 @@ class Impact(Entry):
         self.check_plastic("yield_force")
         # Linear up to yield and as steep beyond it, the law would lose nothing.
         if (self.exponent or 1.0) == 1.0 and (self.post_yield or 1.0) == 1.0:
-            raise self.error("post_yield: expected less than 1 with an exponent of 1")
+            raise self.error(
+                "yield_force: expected with post_yield below 1, or an exponent above 1"
+            )
 
     def _plastic(
         self, limits: tuple[float, float], stiffness: float, exponent: float, yield_force: float

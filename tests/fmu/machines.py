@@ -131,6 +131,19 @@ def linkage(**more):
     return m.model(settings(0.2, 2e-4, redundant="remove", **more))
 
 
+def plastic(**more):
+    """A wheel on a hinge that yields and a bolted joint, with a stop that it dents."""
+    m = du.Mechanism()
+    wheel = m.add(du.RigidBody(1.0, [0.01, 0.01, 0.01]), name="wheel")
+    axle = m.add(du.joints.Revolute(m.ground, wheel, axis="z", name="axle"))
+    laws = [du.laws.ElastoplasticLaw(0.1, 2.0, 0.1, 0.5), du.laws.IwanLaw(0.1, 2.0)]
+    m.add(du.springs.torsion(m.ground, wheel, "z", law=laws), name="hinge")
+    dented = {"stiffness": 20.0, "yield_force": 0.2, "post_yield": 0.5}
+    m.add(du.stops.stop(axle, "angle", (-0.05, 0.1), **dented), name="stop")
+    m.add(du.loads.Torque(wheel, [0, 0, 1], du.signals.Input("u")))
+    return m.model(settings(1.0, 1e-3, **more))
+
+
 MACHINES = {
     "rod": (rod, {}),
     "direct": (rod, {"history": "direct"}),
@@ -140,6 +153,7 @@ MACHINES = {
     "servo": (servo, {}),
     "box": (box, {}),
     "linkage": (linkage, {}),
+    "plastic": (plastic, {}),
 }
 """by name: what makes a model, and its settings"""
 TWO_SIZES = {
