@@ -59,7 +59,7 @@ LAWS = {
     "plastic": ElastoplasticLaw(2.0, stiffness=20.0),
     "plastic, kinematic": ElastoplasticLaw(2.0, 20.0, post_yield=0.2),
     "plastic, mixed": ElastoplasticLaw(1.0, 20.0, 0.3, isotropic=0.4),
-    "Iwan": IwanLaw(4.0, 20.0, chi=-0.4, beta=0.5, elements=40),
+    "Iwan": IwanLaw(4.0, 20.0, chi=-0.4, beta=0.5, elements=5),
     "user": UserLaw(cubic, [3.0, 0.2]),
     "user with memory": UserLaw(branch, [5.0, 0.02], [0.0, 0.0], remember_branch),
 }
