@@ -75,6 +75,7 @@ def mesh_solid(
     the same mesh. `CadError` names the file, and the pick.
     """
     in_file = _unit(path, unit)
+    # The file is in the unit that gmsh works in; what is asked and answered is in meters.
     asked = {"unit": in_file, "mesh": str(target), "size": size, "solid": solid}
     answer = _asked(path, {**asked, "picks": [asdict(pick) for pick in picks]})
     features = tuple(map(Feature.of, answer["features"]))

@@ -49,6 +49,7 @@ def features_of(solid: int) -> list[Feature]:
 def _face(solid: int, tag: int, size: float) -> _Face:
     area = float(gmsh.model.occ.getMass(2, tag))
     center = np.array(gmsh.model.occ.getCenterOfMass(2, tag))
+    # Of each face alone: a combined boundary would leave out the seam of a closed cylinder.
     edges = gmsh.model.getBoundary([(2, tag)], combined=False, oriented=False)
     edge_tags = tuple(sorted({edge for _, edge in edges}))
     rim = np.concatenate([np.zeros((0, 3)), *map(_edge_points, edge_tags)])
@@ -76,6 +77,7 @@ def _far_from_edges(
 
     Of such points the nearest to the center. On an edge it would be on two faces.
     """
+    # Inside by parameters: what is cut away of a plane is as near to its center as the rest.
     on_face = [
         row
         for row, at in enumerate(parameters.tolist())
@@ -132,6 +134,7 @@ def _feature(faces: list[_Face], size: float) -> Feature:
         kind, axis = "plane", surface.normal
     elif isinstance(surface, RoundSurface):
         rim = np.concatenate([face.rim for face in faces])
+        # By its edges, which are exact, not by angles of parameters, which files turn as they like.
         if largest_gap(rim, surface) < FULL_GAP:
             kind = "hole" if surface.radius < 0.0 else "shaft"
             along = (rim - surface.point) @ surface.axis
@@ -154,6 +157,7 @@ def _edge_points(edge: int) -> Array:
 
 def _point(values: Array, size: float) -> Point:
     """Three numbers without their rounding, below 1e-7 of a size, and without the sign of zero."""
+    # Users copy these numbers: 0.02, not 0.019999999999999997.
     decimals = LISTED_DIGITS - int(np.floor(np.log10(size)))
     x, y, z = (np.round(values, decimals) + 0.0).tolist()
     return x, y, z

@@ -62,6 +62,7 @@ def _import(path: Path) -> None:
 
 def _solids() -> dict[str, int]:
     """Numbers of solids by the last part of their labels; the same ones are counted."""
+    # Files number instances of a part, or not: labels alone do not tell them apart.
     names: dict[str, int] = {}
     counts: Counter[str] = Counter()
     for _, tag in gmsh.model.getEntities(3):
@@ -92,6 +93,7 @@ def keep_alone(solids: dict[str, int], name: str | None) -> tuple[str, int]:
     if name is not None and name not in solids:
         raise CadError(f"solid: no {name!r}, the file has: {known}")
     kept = name or next(iter(solids))
+    # Gone before features are looked for: inside and outside are those of one solid.
     others = [(3, tag) for other, tag in solids.items() if other != kept]
     if others:
         gmsh.model.occ.remove(others, recursive=True)

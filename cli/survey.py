@@ -100,6 +100,7 @@ def _numbered_features(survey: Survey) -> list[Feature]:
     geometry = survey.mesh.geometry
     found = () if geometry is None else geometry.features
     kept = [feature for feature in found if feature.kind != "curved"]
+    # A part has few holes that matter, and many small faces that do not.
     round_first = sorted(kept, key=lambda feature: (feature.kind == "plane", -feature.area))
     return sorted(round_first[:MAX_NUMBERED], key=lambda feature: feature.number)
 

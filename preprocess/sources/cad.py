@@ -19,6 +19,7 @@ def mesh_of_cad(body: Body, path: Path) -> Mesh:
     """
     assert body.size is not None
     unit = None if knows_unit(path) else body.scale
+    # By a file, whose groups, orders and types its reader knows already.
     with tempfile.TemporaryDirectory() as folder:
         meshed = Path(folder, "part.msh")
         try:
