@@ -98,7 +98,7 @@ def floquet(model: Model, spin: float) -> Floquet:
         coarse, fine = (
             _over_a_turn(orders, spin, n) for n in (STEPS_PER_TURN // 2, STEPS_PER_TURN)
         )
-        multipliers = np.linalg.eigvals((4.0 * fine - coarse) / 3.0)
+        multipliers = np.linalg.eigvals((4.0 * fine - coarse) / 3.0).astype(np.complex128)
     return Floquet(spin, multipliers[np.argsort(-np.abs(multipliers))])
 
 
@@ -155,7 +155,7 @@ def _in_basis(form: FirstOrder, first: FirstOrder) -> Array:
 def _over_a_turn(orders: _Orders, spin: float, n: int) -> Array:
     """What a turn in n steps makes of all states (n_x, n_x)."""
     h, s = 2.0 * np.pi / (spin * n), orders.sigma
-    x = np.eye(orders.values.shape[1])
+    x: Array = np.eye(orders.values.shape[1])
     for k in range(n):
         M = orders.at(2.0 * np.pi * (k + 0.5) / n)
         square = M @ M

@@ -43,6 +43,8 @@ OFF_AXIS_TOLERANCE = 1e-6
 MIN_SHAPE = 1e-6
 # of the cosine of the angle between the axes of a bearing and of the rotor
 MAX_MISALIGNMENT = 1e-9
+# of synchronous equations, beyond which damping is nothing but rounding
+MAX_CONDITION = 1e12
 # relative, of responses before and after a turn
 MAX_DIFFERENCE_BY_TURN = 1e-5
 NOT_ALIKE_ALL_ROUND = (
@@ -92,6 +94,11 @@ class InSpace(FirstOrder):
         """
         s = 1j * self.equations.pose.speed - self.sigma
         matrix = np.eye(self.n) - self.turning_with @ (s * np.eye(self.n) - self.J)
+        if np.linalg.cond(matrix) > MAX_CONDITION:
+            raise ModelError(
+                f"rotor at {self.equations.pose.speed:.6g} rad/s: it resonates there without "
+                "damping: give its bearings some, or take another spin"
+            )
         return np.linalg.solve(matrix, forced)
 
 

@@ -120,6 +120,20 @@ def test_the_largest_orbit_is_found_between_the_speeds_of_a_sweep():
     assert size == pytest.approx(u / MASS / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("unbalance", "spin", "message"),
+    [
+        ({"disk": 1e-3}, 100.0, "100 rad/s: it resonates there without damping"),
+        ({"disk": np.nan}, 90.0, "unbalance: disk: expected a number in kg m, got nan"),
+        ({"ground.hub": 1.0}, 90.0, "expected a frame of a body, got 'ground.hub'"),
+        ({}, 90.0, "expected at least one frame"),
+    ],
+)
+def test_what_unbalance_refuses(unbalance, spin, message):
+    with pytest.raises(ModelError, match=message):
+        unbalance_response(hub_rotor(stiffness=1e5), unbalance, [spin])
+
+
 def test_cross_coupling_that_grows_with_the_spin_makes_a_threshold():
     """m c'' + c_e c' + k c = alpha Omega (e_3 x c) grows above alpha Omega = c_e sqrt(k / m)."""
     alpha, damping, stiffness = 50.0, 120.0, 1e5
