@@ -165,5 +165,5 @@ def _over_a_turn(orders: _Orders, spin: float, n: int) -> Array:
             + t * t / 12.0 * np.eye(len(M))
             for t in (h, -h)
         )
-        x = np.linalg.solve(behind, ahead @ x)
+        x = np.asarray(np.linalg.solve(behind, ahead @ x), dtype=np.float64)
     return x
