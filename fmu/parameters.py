@@ -73,7 +73,7 @@ def _of_springs(lowered: LoweredModel) -> Iterator[NamedNumbers]:
     """The diagonals of linear springs: laws of single rows are none of them."""
     couplings, lengths = lowered.system.couplings, lowered.measures_lengths
     for j, coupling in enumerate(lowered.model.couplings):
-        if coupling.dimension != "spring":
+        if coupling.group != "springs":
             continue
         first, stop = couplings.range[j], couplings.range[j + 1]
         for key, array, per in (

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from .laws.tabulated import TabulatedLaw
     from .laws.user import UserLaw
     from .linear.campbell import Campbell, campbell
+    from .linear.floquet import Floquet, floquet
     from .linear.frf import FrequencyResponse
     from .linear.linearize import LinearModel, linearize
     from .linear.modes import LinearModes
@@ -127,6 +128,7 @@ __all__ = [
     "ElastoplasticLaw",
     "Fixed",
     "FlexibleBody",
+    "Floquet",
     "Force",
     "ForceLaw",
     "ForceTable",
@@ -216,6 +218,7 @@ __all__ = [
     "campbell",
     "check",
     "check_law",
+    "floquet",
     "given_moduli",
     "linearize",
     "model_schema",
@@ -267,6 +270,7 @@ if not TYPE_CHECKING:
             ".laws.tabulated": "TabulatedLaw",
             ".laws.user": "UserLaw",
             ".linear.campbell": "Campbell campbell",
+            ".linear.floquet": "Floquet floquet",
             ".linear.frf": "FrequencyResponse",
             ".linear.linearize": "LinearModel linearize",
             ".linear.modes": "LinearModes",

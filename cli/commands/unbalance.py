@@ -11,14 +11,14 @@ from ..failures import errors_in_one_line, one_line
 from ..linear import LinearOutput, tell_validity, write_output
 from .campbell import Spins, spins_of
 
-At = Annotated[
+Unbalances = Annotated[
     list[str],
     typer.Option(
         metavar="FRAME=U[@DEGREES]",
         help="Mass times eccentricity [kg m] at a frame of the shaft, at an angle from e1 to e2.",
     ),
 ]
-To = Annotated[
+ShownPoints = Annotated[
     list[str] | None,
     typer.Option("--to", metavar="FRAME", help="Bodies and frames that are shown.",
                  show_default="those of --at"),
@@ -26,7 +26,11 @@ To = Annotated[
 
 
 def unbalance(
-    model_file: ModelFile, at: At, spin: Spins, to: To = None, output: LinearOutput = None
+    model_file: ModelFile,
+    at: Unbalances,
+    spin: Spins,
+    to: ShownPoints = None,
+    output: LinearOutput = None,
 ) -> None:
     """Orbits of a rotor on bearings by unbalance: MODEL-unbalance.png, unless given."""
     from ... import files, solver, superelement, view

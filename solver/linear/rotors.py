@@ -43,11 +43,13 @@ OFF_AXIS_TOLERANCE = 1e-6
 MIN_SHAPE = 1e-6
 # of the cosine of the angle between the axes of a bearing and of the rotor
 MAX_MISALIGNMENT = 1e-9
+# of synchronous equations, beyond which damping is nothing but rounding
+MAX_CONDITION = 1e12
 # relative, of responses before and after a turn
 MAX_DIFFERENCE_BY_TURN = 1e-5
 NOT_ALIKE_ALL_ROUND = (
     "it is not alike all round the axis: expected a rotor with axisymmetric bodies, joints and "
-    "loads, and bearings to the ground alone; Floquet multipliers take any rotor"
+    "loads, and bearings to the ground alone; `floquet` takes other rotors"
 )
 
 
@@ -92,6 +94,11 @@ class InSpace(FirstOrder):
         """
         s = 1j * self.equations.pose.speed - self.sigma
         matrix = np.eye(self.n) - self.turning_with @ (s * np.eye(self.n) - self.J)
+        if np.linalg.cond(matrix) > MAX_CONDITION:
+            raise ModelError(
+                f"rotor at {self.equations.pose.speed:.6g} rad/s: it resonates there without "
+                "damping: give its bearings some, or take another spin"
+            )
         return np.linalg.solve(matrix, forced)
 
 
@@ -239,25 +246,30 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
     [15.915, 22.508]
     """
     with about(model.path):
-        if not 0.0 < spin < np.inf:
-            raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
-        axes = rotor_axes(model)
-        for bearing in model.bearings:
-            along = float(bearing.axis @ axes.axis)
-            if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
-                raise bearing.error(
-                    f"axis: expected that of the rotor, {axes.axis.tolist()}, "
-                    f"got {bearing.axis.tolist()}"
-                )
-            bearing.coefficients(spin * float(np.sign(along)))
-        gravity = (model.gravity @ axes.axis) * axes.axis
-        model = replace(model.without_surfaces(), gravity=gravity)
-        if model.settings.step is None and not model.flexible_bodies:
-            # No step is taken, but rigid bodies alone propose none.
-            model = model.with_settings(step=0.5 * model.settings.t_end)
-        linear = RotorModel(model, SteadyRotation(spin * axes.axis, axes.center))
+        linear = RotorModel(*prepared_rotor(model, spin))
         _ = linear.first_order
     return linear
+
+
+def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
+    """The model without what rotors do not take, and its rotation, for linear equations."""
+    if not 0.0 < spin < np.inf:
+        raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
+    axes = rotor_axes(model)
+    for bearing in model.bearings:
+        along = float(bearing.axis @ axes.axis)
+        if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
+            raise bearing.error(
+                f"axis: expected that of the rotor, {axes.axis.tolist()}, "
+                f"got {bearing.axis.tolist()}"
+            )
+        bearing.coefficients(spin * float(np.sign(along)))
+    gravity = (model.gravity @ axes.axis) * axes.axis
+    model = replace(model.without_surfaces(), gravity=gravity)
+    if model.settings.step is None and not model.flexible_bodies:
+        # No step is taken, but rigid bodies alone propose none.
+        model = model.with_settings(step=0.5 * model.settings.t_end)
+    return model, SteadyRotation(spin * axes.axis, axes.center)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ BESIDE_THRESHOLD = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class StabilityMap:
-    """How fast the least damped mode of a rotor grows, over the spin. See `stability_map`.
+    """How fast the least damped mode of a rotor grows; see `stability_map` for an example.
 
     Parameters
     ----------

@@ -123,6 +123,9 @@ def unbalance_response(
         raise ModelError("spins: expected numbers that increase")
     if not unbalance:
         raise ModelError("unbalance: expected at least one frame of the shaft, got none")
+    for name, value in unbalance.items():
+        if not np.isfinite(complex(value)):
+            raise ModelError(f"unbalance: {name}: expected a number in kg m, got {value}")
     with about(model.path):
         axes = rotor_axes(model).across
         inputs = [f"force:{name}:{k}" for name in unbalance for k in "xyz"]

@@ -123,6 +123,42 @@ def test_a_campbell_diagram_is_printed_and_drawn(runner, tmp_path):
     assert (tmp_path / "rotor-campbell.png").exists()
 
 
+def test_rotors_on_bearings_by_commands(runner, tmp_path):
+    """2 kg on 2e4 N/m with 4 N s/m; cross coupling of 1 N/m per rad/s wins at 400 rad/s."""
+    file, rows = tmp_path / "rotor.toml", tmp_path / "orbits.csv"
+    file.write_text(
+        """
+        [simulation]
+        t_end = 1.0
+        step = 1e-3
+        [ground]
+        frames.hub = {}
+        [bodies.disk]
+        mass = 2.0
+        inertia = [0.01, 0.01, 0.02]
+        [[bearings]]
+        between = ["ground.hub", "disk"]
+        axis = [0, 0, 1]
+        speeds = [0, 500]
+        stiffness = [[2e4, 0, 0, 2e4], [2e4, 500, -500, 2e4]]
+        damping = [[4, 0, 0, 4], [4, 0, 0, 4]]
+        """
+    )
+    assert "100" in run(runner, "modes", file, "--spin", 100).stdout
+    result = run(runner, "campbell", file, "--spin", 100, 500, 5, "-o", tmp_path / "lines.csv")
+    assert "unstable above 400 rad/s" in result.stdout
+    at = ("--at", "disk=2e-3@90", "--spin", 0, 200, 201, "-o", rows)
+    assert "disk: largest at 100" in run(runner, "unbalance", file, *at).stdout
+    with rows.open(newline="") as opened:
+        line = next(row for row in csv.DictReader(opened) if float(row["spin_rad_per_s"]) == 50.0)
+    # u Omega^2 / (k - m Omega^2 + i Omega c ...), a quarter turn ahead
+    expected = 2e-3 * 50.0**2 / abs(2e4 - 2.0 * 50.0**2 + 1j * 50.0 * 4.0 - 1j * 50.0)
+    assert float(line["disk long semiaxis [m]"]) == pytest.approx(expected, rel=1e-9)
+    assert (
+        "--at" in run(runner, "unbalance", file, "--at", "disk", "--spin", 0, 9, 3, code=2).stderr
+    )
+
+
 def test_a_campbell_diagram_of_many_lines_fits_into_80_columns(runner, tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     file = tmp_path / "rotor.toml"

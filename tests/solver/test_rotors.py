@@ -16,10 +16,12 @@ from duhamel.solver import (
     Start,
     SteadyRotation,
     campbell,
+    floquet,
     rotor_at,
     stability_map,
     unbalance_response,
 )
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 MASS, DIAMETRAL, POLAR = 10.0, 0.1, 0.2
@@ -118,6 +120,20 @@ def test_the_largest_orbit_is_found_between_the_speeds_of_a_sweep():
     assert size == pytest.approx(u / MASS / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("unbalance", "spin", "message"),
+    [
+        ({"disk": 1e-3}, 100.0, "100 rad/s: it resonates there without damping"),
+        ({"disk": np.nan}, 90.0, "unbalance: disk: expected a number in kg m, got nan"),
+        ({"ground.hub": 1.0}, 90.0, "expected a frame of a body, got 'ground.hub'"),
+        ({}, 90.0, "expected at least one frame"),
+    ],
+)
+def test_what_unbalance_refuses(unbalance, spin, message):
+    with pytest.raises(ModelError, match=message):
+        unbalance_response(hub_rotor(stiffness=1e5), unbalance, [spin])
+
+
 def test_cross_coupling_that_grows_with_the_spin_makes_a_threshold():
     """m c'' + c_e c' + k c = alpha Omega (e_3 x c) grows above alpha Omega = c_e sqrt(k / m)."""
     alpha, damping, stiffness = 50.0, 120.0, 1e5
@@ -145,6 +161,43 @@ def test_lines_go_on_where_the_sense_of_their_whirl_changes():
     for spin, found in zip(spins[1:].tolist(), frequencies.T[1:], strict=True):
         modes = rotor_at(model, spin).modes()
         np.testing.assert_allclose(np.sort(found), modes.frequencies[modes.rigid :], rtol=1e-9)
+
+
+def over_a_turn(inertia, spin):
+    """Multipliers of a rigid rotor by integration of Euler's equations, its tilt in body axes."""
+    J1, J2, J3 = inertia
+
+    def rate(t, x):
+        place, tilt, velocity, turning = x.reshape(8, 8)[:2], *np.split(x.reshape(8, 8)[2:], 3)
+        c, s = np.cos(spin * t), np.sin(spin * t)
+        R = np.array([[c, -s], [s, c]])
+        carried = turning + spin * np.array([-tilt[1], tilt[0]])
+        push, moment = np.zeros((2, 8)), np.zeros((2, 8))
+        for z in (LEFT, RIGHT):
+            lever = z * np.array([[0.0, 1.0], [-1.0, 0.0]])
+            force = -K @ (place + lever @ R @ tilt) - C @ (velocity + lever @ R @ carried)
+            push += force
+            moment += (lever @ R).T @ force
+        cross, by = spin * (J1 + J2 - J3), spin**2
+        turn = np.array([
+            (moment[0] + cross * turning[1] - by * (J3 - J2) * tilt[0]) / J1,
+            (moment[1] - cross * turning[0] - by * (J3 - J1) * tilt[1]) / J2,
+        ])  # fmt: skip
+        return np.vstack([velocity, turning, push / MASS, turn]).ravel()
+
+    period = 2.0 * np.pi / spin
+    end = solve_ivp(rate, (0.0, period), np.eye(8).ravel(), "DOP853", rtol=1e-10, atol=1e-12)
+    return np.linalg.eigvals(end.y[:, -1].reshape(8, 8))
+
+
+@pytest.mark.parametrize("spin", [150.0, 400.0])
+def test_floquet_multipliers_of_a_rotor_of_unequal_inertia_on_unequal_bearings(spin):
+    inertia = (0.1, 0.19, 0.2)
+    found = floquet(rigid_rotor(inertia=inertia), spin).multipliers
+    expected = over_a_turn(inertia, spin)
+    assert len(found) == 12  # four of which are those of free motions
+    for value in expected:
+        assert np.abs(found - value).min() < 1e-6 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize(
