@@ -43,7 +43,13 @@ MOST_SEARCH_STEPS = 50
 
 @dataclass(frozen=True, eq=False)
 class FittedParameter:
-    """start, value; deviation: its standard deviation, inf where the data do not tell it."""
+    """A parameter of a fit, see `fit` for an example.
+
+    start, value : float
+    deviation : float
+        The standard deviation, inf where the data do not tell it.
+    at_bound : bool
+    """
 
     name: str
     start: float
@@ -59,7 +65,7 @@ class FittedParameter:
 
 @dataclass(frozen=True, eq=False)
 class ModelFit:
-    """A model that was fitted to measured series.
+    """A model that was fitted to measured series, see `fit` for an example.
 
     parameters: in their order, with the shift [s] last if it was fitted; correlation (k, k);
     rank: of k, how many combinations of parameters the data tell; series: measured, and fitted
@@ -116,6 +122,27 @@ def fit(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = No
     ------
     StudyError
         Names the file and the key; also where the model does not run at the start.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.solver import Model, RigidBody, Settings, write_model
+    >>> ball = RigidBody(2.0, [0.1] * 3)
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> study = '''
+    ... model = "ball.toml"
+    ... parameters."simulation.gravity.2" = -10
+    ... fit.series = [{quantity = "position:ball:z", file = "fall.csv"}]
+    ... '''
+    >>> with TemporaryDirectory() as name:
+    ...     folder = Path(name)
+    ...     write_model(model, folder / "ball.toml")
+    ...     written = (folder / "gravity.toml").write_text(study)
+    ...     rows = [f"{t / 10}, {-9.81 * t**2 / 200}" for t in range(11)]
+    ...     written = (folder / "fall.csv").write_text("\\n".join(rows))
+    ...     gravity = fit(folder / "gravity.toml").parameters[0]
+    >>> round(gravity.value, 6)
+    -9.81
     """
     study = read_study_of_one_model(path)
     try:

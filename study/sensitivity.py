@@ -24,7 +24,7 @@ SWITCH_NOTE = "switches within the run: the error is that of the widest differen
 
 @dataclass(frozen=True, eq=False)
 class SeriesDerivative:
-    """A quantity over time with its derivatives.
+    """A quantity over time with its derivatives, see `sensitivities` for an example.
 
     abscissa (n,) [s or Hz]; value (n,); derivative, error (n, parameters), per unit of each.
     """
@@ -37,7 +37,7 @@ class SeriesDerivative:
 
 @dataclass(frozen=True, eq=False)
 class Sensitivities:
-    """Outputs of a run and their derivatives by parameters.
+    """Outputs of a run and their derivatives by parameters, see `sensitivities` for an example.
 
     parameters: the values at which they were taken, by name; outputs: by name, as in study files;
     units: of the outputs; value (outputs,); derivative, error (outputs, parameters), in SI units;
@@ -128,6 +128,25 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
 
     As `sensitivities` takes them, at the values that the study file gives its parameters, the means
     of their normal distributions, or else those of the model file. `StudyError` names the file.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.solver import Model, RigidBody, Settings, write_model
+    >>> ball = RigidBody(2.0, [0.1] * 3)
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> study = '''
+    ... model = "ball.toml"
+    ... parameters."simulation.gravity.2" = -10
+    ... outputs.height = "final position:ball:z"
+    ... '''
+    >>> with TemporaryDirectory() as name:
+    ...     write_model(model, Path(name) / "ball.toml")
+    ...     written = (Path(name) / "gravity.toml").write_text(study)
+    ...     found = sensitivities_of(Path(name) / "gravity.toml")
+    >>> found.derivative.round(6).tolist()
+    [[0.5]]
     """
     _check_method(method)
     study = read_study_of_one_model(path)

@@ -15,7 +15,13 @@ MEASURED_COLOR = "0.6"
 
 @dataclass(frozen=True, eq=False)
 class SeriesFit:
-    """A measured series and the model at its times (n,); label: with the unit."""
+    """A measured series and the model at its times, see `draw_series_fit` for an example.
+
+    label : str
+        With the unit.
+    time : (n,) [s]
+    measured, fitted : (n,)
+    """
 
     label: str
     time: Array
