@@ -134,6 +134,7 @@ VARIABLES = {
     "joint_rate": ((N, 1), "rad s-1"),
     "spring_multiplier": ((N, 1), "N"),
     "spring_coordinate": ((N, 1), "m"),
+    "spring_permanent": ((N, 1), "m"),
 }
 LABELS = {
     "body": ["hub", "beam"],
