@@ -152,6 +152,7 @@ LABELS = {
     "spring_component": ["tether.1"],
     "spring_multiplier_units": ["N"],
     "spring_coordinate_units": ["m"],
+    "spring_permanent_units": ["m"],
     "axis": ["x", "y", "z"],
     "quaternion": ["w", "x", "y", "z"],
     "flexible_body": ["beam"],
