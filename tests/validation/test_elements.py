@@ -52,6 +52,22 @@ def test_a_straight_beam_of_six_elements(axis, reference):
     assert u[tip, axis].mean() == pytest.approx(reference, rel=0.03)
 
 
+@pytest.mark.parametrize(
+    ("kind", "share"), [("hexahedron", 0.880), ("hexahedron20", 0.875), ("hexahedron27", 0.878)]
+)
+def test_a_curved_beam_of_six_elements(kind, share):
+    """A radial force at its end; 0.875 is what the authors have for elements of 20 nodes."""
+
+    def place(x, y, z):
+        r, angle = 4.12 + 0.2 * y, 0.5 * np.pi * x
+        return np.stack([r * np.cos(angle), r * np.sin(angle), -0.1 * z], axis=1)
+
+    mesh = block((6, 1, 1), place, kind)
+    tip = np.abs(mesh.points[:, 0]) < 1e-9
+    u = displacements(mesh, 1e7, 0.25, tip, (0, 1, 0), everywhere(np.abs(mesh.points[:, 1]) < 1e-9))
+    assert u[tip, 1].mean() == pytest.approx(share * 0.08734, rel=2e-3)
+
+
 @pytest.mark.parametrize(("axis", "reference"), [(2, 0.005424), (1, 0.001754)])
 def test_a_beam_twisted_by_a_right_angle(axis, reference):
     def place(x, y, z):
