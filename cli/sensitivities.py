@@ -52,7 +52,8 @@ def _cells(found: Sensitivities) -> Iterator[tuple[str | float, ...]]:
 
 
 def sensitivity_picture(title: str, found: Sensitivities) -> Any:
-    errors: Array = np.abs(found.elasticity * found.error / found.derivative)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors: Array = np.abs(found.elasticity * found.error / found.derivative)
     return draw_elasticities(
         list(found.parameters), list(found.outputs), found.elasticity, errors, title
     )

@@ -51,7 +51,9 @@ def _derivative(column: Array) -> tuple[float, float, float]:
         return np.nan, np.inf, 0.0
     values, steps = column[whole], DIFFERENCE_STEPS[whole]
     changes = np.abs(np.diff(values))
-    if _switches(changes, steps[1:]):
+    # What moves over the widest step alone moves by jumps.
+    jumps = values[0] != 0.0 and not values[1:].any()
+    if jumps or _switches(changes, steps[1:]):
         return float(values[0]), float(changes[0]), 1.0
     errors = np.maximum(changes[:-1], changes[1:])
     best = int(np.argmin(errors))

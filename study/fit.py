@@ -35,8 +35,12 @@ JACOBIAN_STEP = 1e-4
 SHIFT_NAME = "shift"
 """the name of the parameter that moves a run over time"""
 STRONG_CORRELATION = 0.95
-LEAST_SINGULAR_VALUE = 1e-10
-"""of the largest singular value of J, its columns scaled"""
+LEAST_SINGULAR_VALUE = 1e-6
+"""of the largest one of J, its columns scaled, of which differences have errors of 1e-8"""
+TIME_ROUNDING = 1e-9
+"""of times in files, relative to the end of a run"""
+LEAST_SPARE_TIME = 1e-6
+"""of a run, in which series may be shifted"""
 MOST_SEARCH_STEPS = 50
 """of the search; slow ones go along a bound, or where the series tell nothing"""
 
@@ -70,7 +74,8 @@ class ModelFit:
     parameters: in their order, with the shift [s] last if it was fitted; correlation (k, k);
     rank: of k, how many combinations of parameters the data tell; series: measured, and fitted
     (n,), the run at their times; rms: of the residuals of each, in its unit; runs: how many were
-    made.
+    made; converged: whether the search ended by itself; warnings: limits of the method that the
+    fitted run has passed.
     """
 
     parameters: tuple[FittedParameter, ...]
@@ -80,10 +85,15 @@ class ModelFit:
     fitted: tuple[Array, ...]
     rms: Array
     runs: int
+    converged: bool
+    warnings: tuple[str, ...]
 
     @property
     def notes(self) -> Iterator[str]:
-        """Lines about what the data do not tell."""
+        """Lines about what the data do not tell, and what else is to be known."""
+        if not self.converged:
+            yield f"the search has not ended after {MOST_SEARCH_STEPS} steps: begin nearer"
+        yield from self.warnings
         names = [parameter.name for parameter in self.parameters]
         if self.rank < len(names):
             yield (
@@ -102,7 +112,7 @@ class ModelFit:
 
 
 def fit(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> ModelFit:
-    """ModelFit the parameters of a study file to the measured series of its table [fit].
+    """Fit the parameters of a study file to the measured series of its table [fit].
 
     Parameters
     ----------
@@ -164,14 +174,15 @@ def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     if output is not None:
         files = [study.path, study.base, *(study.path.parent / one.file for one in table.series)]
         require_no_input(output, files, "an input of the fit")
+    if SHIFT_NAME in study.parameters:
+        raise StudyError(f"parameters.{SHIFT_NAME}: is the time shift: expected another name")
     if len({one.sigma > 0.0 for one in series}) > 1:
         raise StudyError("fit.series: expected sigma of all series or of none")
     axes = [_Axis.of(name, parameter) for name, parameter in study.parameters.items()]
-    if table.shift:
-        axes.append(_Axis(SHIFT_NAME, 0.0, 1.0, -np.inf, np.inf, False))
     problem = _Problem(study.parametrized, axes, series)
+    problem.begin(table.shift)
+    axes = problem.axes
     start = np.array([axis.inner(axis.start) for axis in axes])
-    problem.check(start)
     bounds = np.array([[axis.inner(end) for end in (axis.low, axis.high)] for axis in axes]).T
     found = least_squares(
         problem.residuals,
@@ -182,7 +193,7 @@ def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
         max_nfev=MOST_SEARCH_STEPS,
     )
     # Written last: a fit that fails leaves no file.
-    made = problem.fit(found.x, found.active_mask)
+    made = problem.fit(found.x, found.active_mask, found.status > 0)
     if output is not None:
         tables = study.plan.moved(output.parent).document_at(
             {one.name: one.value for one in made.parameters if one.is_key}
@@ -243,37 +254,53 @@ class _Problem:
     """Residuals and their derivatives, as the search asks for them."""
 
     def __init__(
-        self, family: Parametrized, axes: Sequence[_Axis], series: Sequence[MeasuredSeries]
+        self, family: Parametrized, axes: list[_Axis], series: Sequence[MeasuredSeries]
     ) -> None:
-        self._family, self._axes, self._series = family, axes, series
+        self._family, self.axes, self._series = family, axes, series
         # Without sigma each series by its own size: one in rad must not outweigh one in m.
         self._weights = [
             1.0 / (one.sigma or float(np.sqrt(np.mean(one.values**2))) or 1.0) for one in series
         ]
-        self._has_shift = bool(axes) and axes[-1].name == SHIFT_NAME
         self._n = sum(len(one.time) for one in series)
         self.runs, self._failure = 0, ""
+        self.has_ended = False
         self._last: tuple[dict[str, float], Results | Exception] | None = None
         """values and outcome of the last run"""
 
-    def check(self, inner: Array) -> None:
-        """`StudyError` where there is no run at the start, or not up to the end of a series."""
-        values = self._values(inner)
+    def begin(self, shift: bool) -> None:
+        """Make the run at the start, within which all samples must lie, shifted or not.
+
+        `StudyError` where there is no run at the start, or a series lies beyond it.
+        """
+        values = {axis.name: axis.start for axis in self.axes}
         results = simulate(self._family.make(values))
+        self._last = values, results
+        low, high = -np.inf, np.inf
         for one in self._series:
-            time, _ = sampled_over(results, one.name, one.quantity)
-            if one.time[0] < time[0] or one.time[-1] > time[-1] * (1.0 + 1e-9):
+            time, _ = self._sampled(results, one)
+            end = time[-1] * (1.0 + TIME_ROUNDING)
+            if one.time[0] < time[0] or one.time[-1] > end:
                 raise StudyError(
                     f"{one.name}: is measured from {one.time[0]:.6g} s to {one.time[-1]:.6g} s, "
                     f"and the run goes from {time[0]:.6g} s to {time[-1]:.6g} s"
                 )
+            low, high = max(low, one.time[-1] - end), min(high, one.time[0] - time[0])
+        if not shift:
+            return
+        # Beyond, samples would have nothing to be compared with.
+        if not high - low > LEAST_SPARE_TIME * end:
+            raise StudyError(
+                f"fit.{SHIFT_NAME}: expected series that begin after the run, or end before it: "
+                "leave out their first samples, or take a later t_end"
+            )
+        self.axes.append(_Axis.of(SHIFT_NAME, StudyParameter(0.0, bounds=(low, high))))
 
     def residuals(self, inner: Array) -> Array:
         return self._residuals_of(self._run(self._values(inner)), self._shift(inner))
 
     def jacobian(self, inner: Array) -> Array:
         values, columns = self._values(inner), []
-        axes = [axis for axis in self._axes if axis.name != SHIFT_NAME]
+        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
         ends = [axis.ends(values[axis.name]) for axis in axes]
         points = [
             {**values, axis.name: end}
@@ -284,23 +311,24 @@ class _Problem:
         for axis, (high, low), ahead, back in zip(axes, ends, parts[::2], parts[1::2], strict=True):
             columns.append((ahead - back) / (high - low) * axis.slope(values[axis.name]))
         run = self._run(values)
-        if self._has_shift and isinstance(run, Results):
-            columns.append(self._by_shift(run, self._shift(inner)))
+        if self.axes[-1].name == SHIFT_NAME and isinstance(run, Results):
+            columns.append(self._by_shift(run, self._shift(inner)) * self.axes[-1].scale)
         found = np.array(columns).T
         if not np.isfinite(found).all():
             raise StudyError(f"the model does not run beside {values}: {self._failure}")
         return found
 
-    def fit(self, inner: Array, active: Array) -> ModelFit:
+    def fit(self, inner: Array, active: Array, converged: bool) -> ModelFit:
+        run = self._run(self._values(inner))
         residuals, J = self.residuals(inner), self.jacobian(inner)
-        outer = [axis.outer(x) for axis, x in zip(self._axes, inner.tolist(), strict=True)]
-        slopes = np.array([a.slope(x) for a, x in zip(self._axes, outer, strict=True)])
+        outer = [axis.outer(x) for axis, x in zip(self.axes, inner.tolist(), strict=True)]
+        slopes = np.array([a.slope(x) for a, x in zip(self.axes, outer, strict=True)])
         # By the parameters themselves, not as the search scales them.
         correlation, deviations, rank = self._covariance(J / slopes, residuals)
         parameters = tuple(
             FittedParameter(axis.name, axis.start, value, deviation, bool(at_bound))
             for axis, value, deviation, at_bound in zip(
-                self._axes, outer, deviations.tolist(), active.tolist(), strict=True
+                self.axes, outer, deviations.tolist(), active.tolist(), strict=True
             )
         )
         fitted, rms, first = [], [], 0
@@ -317,11 +345,15 @@ class _Problem:
             tuple(fitted),
             np.array(rms),
             self.runs,
+            converged,
+            tuple(run.validity.brief()) if isinstance(run, Results) else (),
         )
 
     def _covariance(self, J: Array, residuals: Array) -> tuple[Array, Array, int]:
         """Correlations (k, k), standard deviations (k,) and the rank of J."""
         k = J.shape[1]
+        # With fewer samples than parameters the directions that none sees are among rows too.
+        J = np.vstack([J, np.zeros((max(k - len(J), 0), k))])
         norms = np.linalg.norm(J, axis=0)
         norms[norms == 0.0] = 1.0
         _, sizes, rows = np.linalg.svd(J / norms, full_matrices=False)
@@ -330,7 +362,8 @@ class _Problem:
         scaled = rows[told].T / sizes[told]
         covariance = scaled @ scaled.T / np.outer(norms, norms)
         if not self._series[0].sigma:
-            covariance *= residuals @ residuals / max(len(residuals) - k, 1)
+            spare = len(residuals) - int(told.sum())
+            covariance *= residuals @ residuals / spare if spare > 0 else np.inf
         deviations = np.sqrt(np.diag(covariance))
         with np.errstate(divide="ignore", invalid="ignore"):
             correlation = covariance / np.outer(deviations, deviations)
@@ -340,11 +373,11 @@ class _Problem:
         return correlation, deviations, int(told.sum())
 
     def _values(self, inner: Array) -> dict[str, float]:
-        pairs = zip(self._axes, inner.tolist(), strict=True)
+        pairs = zip(self.axes, inner.tolist(), strict=True)
         return {axis.name: axis.outer(x) for axis, x in pairs if axis.name != SHIFT_NAME}
 
     def _shift(self, inner: Array) -> float:
-        return float(inner[-1]) if self._has_shift else 0.0
+        return self.axes[-1].outer(float(inner[-1])) if self.axes[-1].name == SHIFT_NAME else 0.0
 
     def _residuals_of(self, run: Results | Exception, shift: float) -> Array:
         """(n,), infinite of a run that failed: the search then takes a shorter step."""
@@ -366,7 +399,7 @@ class _Problem:
         return np.concatenate(columns)
 
     def _sampled(self, run: Results, one: MeasuredSeries) -> tuple[Array, Array]:
-        return sampled_over(run, one.name, one.quantity)
+        return sampled_over(run, f"{one.name}.quantity", one.quantity, base="s")
 
     def _run(self, values: Mapping[str, float]) -> Results | Exception:
         # The search asks for the residuals, and then for the derivatives there.

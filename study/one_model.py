@@ -1,4 +1,4 @@
-"""A study file as one model that varies, for derivatives, fits and optimizations."""
+"""A study file as one model that varies, for derivatives and fits."""
 
 import math
 import os

@@ -73,18 +73,22 @@ def values(results: Results, outputs: Mapping[str, str]) -> dict[str, float]:
     `StudyError` names one that is invalid, or of a quantity that the results do not have;
     `SeriesError` one that cannot be made of these results.
     """
-    return {name: _named(name, _value, results, output) for name, output in outputs.items()}
+    return {
+        name: _named(f"outputs.{name}", _value, results, output) for name, output in outputs.items()
+    }
 
 
 def units(results: Results, outputs: Mapping[str, str]) -> dict[str, str]:
     """The units of the outputs by name, "" of numbers, as "m/s²" and "Hz"; as `values` raises."""
-    return {name: _named(name, _unit, results, output) for name, output in outputs.items()}
+    return {
+        name: _named(f"outputs.{name}", _unit, results, output) for name, output in outputs.items()
+    }
 
 
 def check(results: Results, outputs: Mapping[str, str]) -> None:
     """Raise what `values` would raise."""
     for name, output in outputs.items():
-        _named(name, _look, results, output)
+        _named(f"outputs.{name}", _look, results, output)
 
 
 def is_series(output: str) -> bool:
@@ -93,8 +97,16 @@ def is_series(output: str) -> bool:
     return not rest or first not in (*REDUCTIONS, *OF_EVENTS, VALUE_REDUCTION)
 
 
-def sampled_over(results: Results, name: str, quantity: str) -> tuple[Array, Array]:
-    """The abscissa (n,) and the values (n,) of a quantity of one number; raises as `values`."""
+def is_stepwise(output: str) -> bool:
+    """Whether an output is one of the recorded times, or a count, which have no derivatives."""
+    return _parsed(output).reduction in (*OF_TIMES, "count")
+
+
+def sampled_over(results: Results, name: str, quantity: str, base: str = "") -> tuple[Array, Array]:
+    """The abscissa (n,) and the values (n,) of a quantity of one number; raises as `values`.
+
+    name: its key, for messages; base: "s" where it must be over time.
+    """
 
     def taken(results: Results, quantity: str) -> tuple[Array, Array]:
         found = transforms.series(results, quantity)
@@ -102,6 +114,8 @@ def sampled_over(results: Results, name: str, quantity: str) -> tuple[Array, Arr
             raise StudyError(
                 f"{quantity!r} is of a vector: expected an axis, {quantity}:{found.axes[0]}"
             )
+        if base not in ("", found.base):
+            raise StudyError(f"{quantity!r} is over {found.base}: expected one over {base}")
         return found.abscissa, found.values
 
     found: tuple[Array, Array] = _named(name, taken, results, quantity)
@@ -114,9 +128,9 @@ def _named(
     try:
         return function(results, output)
     except (StudyError, QuantityError) as error:
-        raise StudyError(f"outputs.{name}: {error}") from error
+        raise StudyError(f"{name}: {error}") from error
     except SeriesError as error:
-        raise SeriesError(f"outputs.{name}: {error}") from error
+        raise SeriesError(f"{name}: {error}") from error
 
 
 def _value(results: Results, output: str) -> float:

@@ -14,7 +14,7 @@ from ..solver import Model, simulate
 from .differences import DIFFERENCE_STEPS, LEAST_STEPS, slopes_of
 from .errors import StudyError
 from .one_model import read_study_of_one_model
-from .outputs import is_series, sampled_over, units, values
+from .outputs import is_series, is_stepwise, sampled_over, units, values
 from .parametrized import Parametrized, of_function, of_model
 from .runs import runs_at
 
@@ -150,6 +150,12 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
     """
     _check_method(method)
     study = read_study_of_one_model(path)
+    for name, output in study.file.outputs.items():
+        if is_series(output):
+            raise StudyError(
+                f"{study.path}: outputs.{dotted([name])}: {output!r} is over time: expected one "
+                f"number of it, as 'final {output}'"
+            )
     # The deviation of a parameter whose mean is 0 is its size.
     scales = {
         name: parameter.deviation
@@ -176,7 +182,7 @@ def by_differences(
     derivatives, errors, notes = list[Array](), list[Array](), list[str]()
     for name, scale in sizes.items():
         found = _differences(family, name, scale, asked)
-        if np.isfinite(found[:, 0]).sum() < LEAST_STEPS:
+        if np.isfinite(found).any(axis=1).sum() < LEAST_STEPS and asked.failure:
             raise StudyError(
                 f"parameters.{dotted([name])}: the model does not run on both sides of "
                 f"{family.values[name]:.9g}: {asked.failure}"
@@ -185,6 +191,7 @@ def by_differences(
         derivatives.append(derivative.value)
         errors.append(derivative.error)
         notes += asked.noted(name, derivative.switches)
+    notes += asked.without_derivative(base)
     return asked.made(family.values, results, base, derivatives, errors, notes)
 
 
@@ -231,7 +238,7 @@ class _Asked:
         if not outputs:
             raise StudyError("outputs: expected at least one, found none")
         series = {
-            name: sampled_over(results, name, text)[0]
+            name: sampled_over(results, f"outputs.{name}", text)[0]
             for name, text in outputs.items()
             if is_series(text)
         }
@@ -241,7 +248,7 @@ class _Asked:
         """(m,) of a run; series at the times of the first run."""
         found = [np.array(list(values(results, self._outputs).values()), dtype=float)]
         for name, abscissa in self._series.items():
-            own, column = sampled_over(results, name, self._words[name])
+            own, column = sampled_over(results, f"outputs.{name}", self._words[name])
             same = np.array_equal(own, abscissa)
             found.append(column if same else np.interp(abscissa, own, column))
         return np.concatenate(found)
@@ -255,9 +262,19 @@ class _Asked:
 
     def noted(self, name: str, switches: NDArray[np.bool_]) -> Iterator[str]:
         """Lines about outputs whose differences by a parameter scatter."""
-        for output, switching in zip(self._outputs, switches.tolist(), strict=False):
-            if switching:
+        lengths = [1] * len(self._outputs) + [len(one) for one in self._series.values()]
+        parts = np.split(switches, np.cumsum(lengths)[:-1])
+        for output, part in zip((*self._outputs, *self._series), parts, strict=True):
+            if part.any():
                 yield f"{output} by {name}: {SWITCH_NOTE}"
+
+    def without_derivative(self, base: Array) -> Iterator[str]:
+        """Lines about outputs that have no derivative."""
+        for (output, text), value in zip(self._outputs.items(), base.tolist(), strict=False):
+            if not np.isfinite(value):
+                yield f"{output} has no number in this run"
+            elif is_stepwise(text):
+                yield f"{output} is one of the recorded times, or a count: its error is not known"
 
     def made(
         self,
@@ -270,6 +287,7 @@ class _Asked:
     ) -> Sensitivities:
         n = len(self._outputs)
         slopes, scatter = np.array(derivatives).T, np.array(errors).T
+        scatter[:n][[is_stepwise(text) for text in self._outputs.values()]] = np.inf
         series, first = dict[str, SeriesDerivative](), n
         for name, abscissa in self._series.items():
             own = slice(first, first + len(abscissa))

@@ -175,6 +175,10 @@ def test_the_command_prints_and_draws_them(tmp_path):
     write_model(pushed(), tmp_path / "lever.toml")
     (tmp_path / "lever-study.toml").write_text(STUDY)
     command = ["sensitivity", str(tmp_path / "lever-study.toml")]
+    (tmp_path / "lever-study.toml").write_text(STUDY + 'z = "angle:lever:z"')
+    refused = CliRunner().invoke(app, command)
+    assert "outputs.z: 'angle:lever:z' is over time" in refused.output + refused.stderr
+    (tmp_path / "lever-study.toml").write_text(STUDY)
     shown = CliRunner().invoke(app, command)
     assert shown.exit_code == 0, shown.output
     assert "elasticity" in shown.output
@@ -190,3 +194,20 @@ def test_the_command_prints_and_draws_them(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         *("lever.toml", "lever-study.toml", "table.csv")
     }
+
+
+def test_outputs_without_a_derivative_are_told():
+    key = "contacts.floor.stiffness"
+    outputs = {"when": "argmin position:ball:z", "hits": "count event:floor"}
+    found = sensitivities(bouncing(1e-3).with_settings(t_end=0.1), [key], outputs)
+    assert (found.error == np.inf).all()
+    assert [note.partition(" is ")[0] for note in found.notes[-2:]] == ["when", "hits"]
+    none = sensitivities(
+        bouncing(1e-3).with_settings(t_end=0.01), [key], {"peak": "max event:floor:peak"}
+    )
+    assert none.notes == ("peak has no number in this run",)
+
+
+def test_what_moves_over_the_widest_step_alone_moves_by_jumps():
+    found = study.differences.slopes_of(np.array([[0.997, 0.0, 0.0, 0.0, 0.0]]).T)
+    assert (found.value[0], found.error[0], found.switches[0]) == (0.997, 0.997, True)
