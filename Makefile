@@ -20,7 +20,7 @@ CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equat
 COMPILED := tests/solver/compiler tests/solver/test_rigid.py
 FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results \
   $(addprefix tests/cli/test_,run.py check.py init.py completion.py preprocess.py schemas.py) \
-  tests/preprocess/mesh tests/preprocess/body
+  tests/preprocess/body
 # What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; readers on the newest.
 TESTS_OF_3.12 := $(COMPILED) tests/preprocess/parallel
 TESTS_OF_3.13 := $(FAST)

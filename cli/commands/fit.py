@@ -14,7 +14,7 @@ FittedModel = Annotated[
 
 
 def fit(study_file: ModelStudy, output: FittedModel = None) -> None:
-    """Fit the parameters of a study to the measured series of its table [fit].
+    """Fit the parameters of a study to the series that its table `fit` names.
 
     Prints their values, standard deviations and correlations, writes the model with these values,
     and beside it a picture of measured and fitted series and their residuals.

@@ -16,7 +16,9 @@ from ..linear import (
 
 Spin = Annotated[
     float | None,
-    typer.Option("--spin", help="Of a rotor on bearings, in axes fixed in space [rad/s]."),
+    typer.Option(
+        "--spin", help="The spin of a rotor on bearings in rad/s; its modes are those in space."
+    ),
 ]
 
 

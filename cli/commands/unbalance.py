@@ -15,7 +15,7 @@ Unbalances = Annotated[
     list[str],
     typer.Option(
         metavar="FRAME=U[@DEGREES]",
-        help="Mass times eccentricity [kg m] at a frame of the shaft, at an angle from e1 to e2.",
+        help="Mass times eccentricity in kg m at a frame of the shaft, at an angle from e1 to e2.",
     ),
 ]
 ShownPoints = Annotated[

@@ -127,6 +127,14 @@ joints = ["glide.second_distance"]
 ratios = [2.0]
 offset = {polynomial = [0, 1e-3]}
 
+[[bearings]]
+name = "film"
+between = ["ground", "ball"]
+axis = [0, 0, 1]
+speeds = [-10.0, 20.0]
+stiffness = [[9.0, 1.0, -1.0, 9.0], [8.0, 1.0, -1.0, 8.0]]
+damping = [[0.2, 0.0, 0.0, 0.2], [0.1, 0.0, 0.0, 0.1]]
+
 [[motors]]
 name = "servo"
 joint = "pivot"

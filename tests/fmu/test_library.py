@@ -59,7 +59,9 @@ def test_the_time_step_calls_what_is_known(target, tmp_path):
     assert found <= CALLED
 
 
+@pytest.mark.validation
 def test_all_platforms_are_linked(exported):
+    """Some minutes where neither the step nor the libraries of C have been compiled for them."""
     made = exported(rod(), platforms=list(FMI_PLATFORMS), cpu="x86-64-v3")
     with zipfile.ZipFile(made.path) as archive:
         found = {n: archive.read(n) for n in archive.namelist() if n.startswith("binaries/")}

@@ -25,7 +25,7 @@ from duhamel.solver import (
     check,
     simulate,
 )
-from duhamel.solver.lower import allocation
+from duhamel.solver.lower import sizes
 from duhamel.solver.start.initial import initialize
 from duhamel.solver.step.events import follow_shortest
 
@@ -126,7 +126,7 @@ def test_more_events_than_the_loop_has_room_for_are_all_there(monkeypatch, tmp_p
     model = ball(height=1e-6, speed=1.0, restitution=1.0, gravity=500.0, t_end=0.5)
     expected = simulate(model).events["floor"]
     assert len(expected) > 50
-    monkeypatch.setattr(allocation, "EVENT_CAPACITY", 2)
+    monkeypatch.setattr(sizes, "EVENT_CAPACITY", 2)
     for results in (simulate(model), simulate(model, output=tmp_path / "out.h5")):
         for name, column in vars(results.events["floor"]).items():
             np.testing.assert_array_equal(column, getattr(expected, name), err_msg=name)
@@ -368,7 +368,7 @@ def test_a_start_that_is_too_deep_is_refused(depth, radius, of):
 
 
 def test_a_simulator_gives_contacts_and_never_runs_out_of_room(monkeypatch):
-    monkeypatch.setattr(allocation, "EVENT_CAPACITY", 1)
+    monkeypatch.setattr(sizes, "EVENT_CAPACITY", 1)
     model = ball(height=1e-6, speed=1.0, restitution=1.0, gravity=500.0, t_end=0.1)
     expected = simulate(model).contact("floor")
     simulator = Simulator(model, outputs=["contacts/floor/gap", "contacts/floor/state"])

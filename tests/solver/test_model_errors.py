@@ -89,8 +89,8 @@ MADE = {
     ),
     "two joints of one name": (
         lambda: model((weld("a", "ground"), weld("b", "ground"))),
-        "joints, springs, motions, contacts, stops, motors, couplers, fmus: expected different "
-        "names, got 'weld' more than once",
+        "joints, springs, motions, contacts, stops, motors, couplers, bearings, fmus: expected "
+        "different names, got 'weld' more than once",
     ),
     "no bodies": (lambda: model(bodies={}), "bodies: expected at least one body, got none"),
     "a body called ground": (

@@ -675,5 +675,5 @@ def test_a_motor_on_a_driven_coordinate():
 
 
 def test_names_of_motors_are_those_of_nothing_else():
-    with pytest.raises(ModelError, match="couplers, fmus: expected different names, got 'axle'"):
+    with pytest.raises(ModelError, match="bearings, fmus: expected different names, got 'axle'"):
         wheel(Motor("axle", "axle", "angle", torque=Constant(1.0)))

@@ -140,7 +140,7 @@ def test_boundaries_of_scikit_fem_are_the_facets_of_a_plane(mesh):
             "cells: tetra: expected integers (m, k), found float64",
         ),
         ((np.full((4, 3), np.nan), [[0, 1, 2, 3]]), "point 0 is at [nan, nan, nan]"),
-        (skfem.MeshTri(), "no body in cells of type triangle"),
+        ((np.eye(4, 3), {"vertex": [[0]]}), "no body in cells of type vertex"),
     ],
 )
 def test_what_is_no_mesh_is_one_line(mesh, message):

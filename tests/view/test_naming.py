@@ -27,6 +27,7 @@ NAMES = {
     ("coordinate:hinge:friction_state", "1"): "hinge, friction state",
     ("coupler_force:gear", "N m"): "gear, moment",
     ("gap:ends", "m"): "ends, gap",
+    ("dent:ends", "m"): "ends, dent",
     ("normal_force:ends", "N"): "ends, normal force",
     ("normal_force:stop", "N m"): "stop, moment",
     ("impulse:ends", "N s"): "ends, impulse",
