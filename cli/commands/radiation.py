@@ -8,10 +8,10 @@ from ..arguments import ResultsFile
 from ..failures import errors_in_one_line
 
 RadiatingBody = Annotated[
-    str, typer.Argument(metavar="BODY", help="A flexible body with [recovery].")
+    str, typer.Argument(metavar="BODY", help="A flexible body with recovered fields.")
 ]
 SurfaceName = Annotated[
-    str, typer.Option("--surface", metavar="NAME", help="One of its [surfaces]; all unless given.")
+    str, typer.Option("--surface", metavar="NAME", help="One of its surfaces; all unless given.")
 ]
 Rigid = Annotated[
     bool, typer.Option("--rigid", help="The motion of the whole body radiates too, as on mounts.")
