@@ -53,7 +53,7 @@ class Feature:
         return Feature(**asdict(self) | lengths)
 
     def depth(self, point: Array) -> float:
-        """FaceDistance of a point (3,) from the cylinder that the feature is, filled; 0 within."""
+        """Distance of a point (3,) from the cylinder that the feature is, filled; 0 within."""
         from_center = point - np.array(self.center)
         along = abs(float(from_center @ self.axis))
         across = float(np.linalg.norm(np.cross(from_center, self.axis)))

@@ -97,11 +97,21 @@ def _refine(sizes: Mapping[int, float]) -> None:
 
 
 def _jacobians() -> tuple[Array, Array]:
-    """Numbers of the tetrahedra, and the smallest over the largest Jacobian in each."""
+    """Numbers of the tetrahedra, and the smallest over the largest Jacobian in each.
+
+    -1 of those whose Jacobian is nowhere positive.
+    """
     elements, _ = gmsh.model.mesh.getElementsByType(TEN_NODE_TYPE)
     if not len(elements):
         raise CadError("gmsh has made no element of the solid: try another size")
-    return elements, np.asarray(gmsh.model.mesh.getElementQualities(elements, "minSJ"))
+    smallest, largest = (
+        np.asarray(gmsh.model.mesh.getElementQualities(elements, name))
+        for name in ("minDetJac", "maxDetJac")
+    )
+    # Of two negative ones the ratio would be positive.
+    return elements, np.divide(
+        smallest, largest, out=np.full(len(elements), -1.0), where=largest > 0.0
+    )
 
 
 def _check_folded(elements: Array, jacobians: Array, unit: float) -> None:

@@ -9,7 +9,7 @@ from ..superelement.validation import Array
 NORMAL_TOLERANCE = 1e-5
 """How far normals of one plane may differ, and how far those of a cylinder may lean to its axis."""
 POSITION_TOLERANCE = 1e-5
-"""FaceDistance of points from their surface, relative to the size of the part; IGES is as rough."""
+"""Distance of points from their surface, relative to the size of the part; IGES is as rough."""
 LEAST_ARC = 1e-3
 """Spread of the normals across the axis below which a strip tells no axis."""
 

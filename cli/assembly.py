@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..cad import CadError, Solid, solids_in
 from ..files import renamed_when_whole
+from ..robots.bodies import GROUND_NAME
 from .assembly_files import NamedSolid, body_file, model_file, usual_size
 from .assembly_pairs import pairs_of
 
@@ -59,9 +60,9 @@ def import_assembly(
 
 
 def _parts(solids: Mapping[str, Solid], file: str, model: str) -> list[NamedSolid]:
-    """Solids under names that differ from one another and from that of the model."""
+    """Solids under names that differ from one another, from that of the model and the ground."""
     # Some file systems do not tell capitals from small letters.
-    taken, parts = {model.lower()}, []
+    taken, parts = {model.lower(), GROUND_NAME}, []
     for label, solid in solids.items():
         # Labels of single parts are often those of the program that has written the file.
         wanted = label if len(solids) > 1 else file

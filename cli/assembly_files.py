@@ -75,6 +75,8 @@ def model_file(parts: Sequence[NamedSolid], source: str, pairs: Sequence[JointPa
         comment(f"The solids of {source}. First make their superelements:"),
         *(comment(f"    duhamel preprocess {part.name}.toml") for part in parts),
         comment("Without joints all bodies are free. Joints, loads and motions are to be added."),
+        comment("Positions are centers of mass, of the solids alone: if a body file gets masses, take"),
+        comment("its position from `duhamel info`."),
         "",
         "[simulation]",
         *_keys({"t_end": END_TIME, "step": TIME_STEP}),

@@ -145,7 +145,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
         if body.rotation is not None:
             second = second_order(structure, source, body)
             structure = replace(structure, inertia=second.inertia_loads)
-        structure = replace(structure, lossy=lossy_parts(body, source, structure))
+        structure = replace(structure, lossy=lossy_parts(body, source))
     with blas_threads(structure.n_u):
         with stages.stage("impulse"):
             responses = impulse_responses(structure.with_channels(), body, stages)

@@ -132,11 +132,17 @@ def _of_superelement(path: Path, folder: Path, to: str) -> Sequence[Path]:
 
     with errors_in_one_line(superelement, results, files):
         e = superelement.read(path)
-        for there in folder.glob(f"*{SUPERELEMENT_EXPORTS[to].suffix}"):
-            files.require_no_input(there, [path])
+        for ending in SUPERELEMENT_EXPORTS[to].endings:
+            files.require_no_input(folder / f"{path.stem}{ending}", [path])
         written = SUPERELEMENT_EXPORTS[to].write(e, folder, path.stem)
     chain = None if e.modes is None else e.modes.chain
-    parts = {"material damping": chain, "[rotation]": e.rotation, "loads and sensors": e.channels}
+    parts = {
+        "material damping": chain,
+        "[rotation]": e.rotation,
+        "loads and sensors": e.channels,
+        "[surfaces]": e.surfaces,
+        "[recovery]": e.recovery,
+    }
     if left_out := [name for name, part in parts.items() if part is not None]:
         typer.echo(one_line(f"left out: {', '.join(left_out)}"))
     return written

@@ -12,11 +12,13 @@ if TYPE_CHECKING:
 OP4_NAMES = {"stiffness": "KXX", "mass": "MXX", "damping": "BXX"}
 DMIG_NAMES = {"stiffness": "KAAX", "mass": "MAAX", "damping": "BAAX"}
 """as Nastran names those of an external superelement"""
+# Beside a superelement there often are the files of its mesh, of its plain name.
+ARRAYS, OP4, DMIG, DECK = ENDINGS = tuple(f"-reduced{s}" for s in (".npz", ".op4", ".pch", ".bdf"))
 
 
 @superelement_format(
     "craig-bampton",
-    ".npz",
+    ENDINGS,
     "the matrices of a superelement, as arrays, OUTPUT4 and DMIG for Nastran",
 )
 def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
@@ -43,12 +45,12 @@ def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Pat
         reduced.omega / (2.0 * np.pi),
     )
     with exported(folder) as export:
-        with export.file(f"{stem}.npz") as path:
+        with export.file(f"{stem}{ARRAYS}") as path:
             write_arrays(model, path)
-        with export.file(f"{stem}.op4") as path:
+        with export.file(f"{stem}{OP4}") as path:
             write_op4(model, OP4_NAMES, path)
-        with export.file(f"{stem}.pch") as path:
+        with export.file(f"{stem}{DMIG}") as path:
             write_dmig(model, DMIG_NAMES, path)
-        with export.file(f"{stem}.bdf") as path:
+        with export.file(f"{stem}{DECK}") as path:
             write_deck(model, path)
     return export.paths

@@ -80,11 +80,11 @@ WriteSuperelement = Callable[["Superelement", Path, str], Sequence[Path]]
 class SuperelementFormat:
     """A format of superelements, not of results; `write` takes one, a folder, and a stem of names.
 
-    Fields are those of `ExportFormat`.
+    endings: of the names of its files, behind the stem; the others are those of `ExportFormat`.
     """
 
     name: str
-    suffix: str
+    endings: tuple[str, ...]
     what: str
     write: WriteSuperelement
 
@@ -94,12 +94,12 @@ SUPERELEMENT_EXPORTS: dict[str, SuperelementFormat] = {}
 
 
 def superelement_format(
-    name: str, suffix: str, what: str
+    name: str, endings: tuple[str, ...], what: str
 ) -> Callable[[WriteSuperelement], WriteSuperelement]:
     """Make a function that writes files of a superelement known to `duhamel export`."""
 
     def register(write: WriteSuperelement) -> WriteSuperelement:
-        SUPERELEMENT_EXPORTS[name] = SuperelementFormat(name, suffix, what, write)
+        SUPERELEMENT_EXPORTS[name] = SuperelementFormat(name, endings, what, write)
         return write
 
     return register

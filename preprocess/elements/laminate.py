@@ -9,6 +9,9 @@ import numpy as np
 from ...superelement.validation import Array
 from ..body.material import Material
 
+MAX_TURNED = 1e-9
+"""Relative stiffness or mass below which what turns with the normal is rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Layer:
@@ -77,8 +80,8 @@ class Laminate:
             s_xz(z) = -int [Q (b + z d)]_11 dz   under the shear force 1, [a, b; b^T, d] = ABD^-1
             1 / stiffness = int s G^-1 s dz
 
-        in each direction as of cylindrical bending: 5/6 G t of one material. Source: K. Rohwer,
-        Composite Structures 10 (1988) 131-141, in the form without Poisson's effect across.
+        in equilibrium with a moment in each direction alone: 5/6 G t of one material. Source: K.
+        Rohwer, Composite Structures 10 (1988) 131-141, in the form without Poisson's effect across.
         """
         flexible = np.linalg.inv(ABD)
         b, d = flexible[:3, 3:], flexible[3:, 3:]
@@ -94,6 +97,21 @@ class Laminate:
             F += np.linalg.inv(layer.G) * ((0.5 * (z1 - z0) * w * s.T) @ s)
             before = before + (z1 - z0) * constant + 0.5 * (z1**2 - z0**2) * linear
         return np.asarray(np.linalg.inv(F), dtype=np.float64)
+
+    @property
+    def sided(self) -> bool:
+        """Whether the laminate is another one when its normal is turned to the other side."""
+        C, (mass, moment, _) = self.stiffness, self.inertia
+        t = self.z[1] - self.z[0]
+        # About axis 1: heights change their signs, and so do the angles of plies.
+        turned = [
+            np.abs(C[:3, 3:6]).max() / (t * C[0, 0]),
+            np.abs(C[[0, 1], 2]).max() / C[0, 0],
+            np.abs(C[[3, 4], 5]).max() / C[3, 3],
+            abs(C[6, 7]) / C[6, 6],
+            abs(moment) / (t * mass),
+        ]
+        return bool(max(turned) > MAX_TURNED)
 
     @property
     def in_plane_shear(self) -> float:
@@ -123,8 +141,12 @@ class Laminate:
         return float(self.inertia[0])
 
     def shortest_wave(self, frequency: float) -> float:
-        """The length [m] of a bending wave at a frequency [Hz], 2 pi (D / (m omega^2))^(1/4)."""
+        """The length [m] of a bending wave at a frequency [Hz], 2 pi (D / (m omega^2))^(1/4).
+
+        D of bending without forces in the plane, wherever the nodes are: D - B A^-1 B.
+        """
+        flexible = np.linalg.inv(self.stiffness[:6, :6])[3:, 3:]
         # The softest direction has the shortest wave.
-        D = float(np.min(np.diag(self.stiffness)[3:5]))
+        D = float(np.min(np.diag(np.linalg.inv(flexible))[:2]))
         omega = 2.0 * np.pi * frequency
         return float(2.0 * np.pi * (D / (self.density * omega**2)) ** 0.25)

@@ -56,6 +56,8 @@ def read_matrices(files: Matrices) -> GivenModel:
     if files.mass is None and not stiffness.named:
         raise MatrixError(f"matrices.mass: expected a file, for {stiffness.name} holds one matrix")
     mass = read_matrix(files.mass or files.stiffness, MASS_NAMES)
+    names = ", ".join(dict.fromkeys((stiffness.name, mass.name)))
+    _check_pair(stiffness, mass, files, names)
     rows = [_dofs(file, files, table) for file in (stiffness, mass)]
     scalars = np.unique(np.concatenate([dofs[dofs[:, 1] == 0, 0] for dofs in rows]))
     slots = [
@@ -67,7 +69,7 @@ def read_matrices(files: Matrices) -> GivenModel:
     for file, places in zip((stiffness, mass), slots, strict=True):
         used[places[_touched(file.entries)]] = True
     of_nodes, of_scalars = np.split(used, [DOFS_PER_NODE * len(table.labels)])
-    with_dofs, rotations = _used_nodes(table, of_nodes.reshape(-1, DOFS_PER_NODE))
+    with_dofs, rotations = _used_nodes(table, of_nodes.reshape(-1, DOFS_PER_NODE), names)
     nodes = Nodes(with_dofs.points, rotations, int(of_scalars.sum()))
     new_row = np.cumsum(used) - 1
     K, M = (
@@ -76,9 +78,24 @@ def read_matrices(files: Matrices) -> GivenModel:
     )
     mesh = table.mesh()
     table = replace(with_dofs, scalars=scalars[of_scalars])
-    names = ", ".join(dict.fromkeys((stiffness.name, mass.name)))
     model = GivenModel(names, table, nodes, K, M, mesh)
     return replace(model, K=_symmetric(model, stiffness.name, K), M=_symmetric(model, mass.name, M))
+
+
+def _check_pair(stiffness: MatrixFile, mass: MatrixFile, files: Matrices, names: str) -> None:
+    """`MatrixError` for one matrix as both, and for a table of dofs that neither takes."""
+    K, M = stiffness.entries, mass.entries
+    if K.shape == M.shape and all(
+        np.array_equal(getattr(K, part), getattr(M, part)) for part in ("data", "row", "col")
+    ):
+        raise MatrixError(
+            f"{names}: expected a stiffness and a mass, found the same matrix for both"
+        )
+    if files.dofs is not None and stiffness.dofs is not None and mass.dofs is not None:
+        raise MatrixError(
+            f"{files.dofs}: expected no matrices.dofs, for {names} tell node and direction of "
+            "their rows"
+        )
 
 
 def _dofs(file: MatrixFile, files: Matrices, table: NodeTable) -> IntArray:
@@ -160,8 +177,11 @@ def _touched(entries: Any) -> Any:
     return touched
 
 
-def _used_nodes(table: NodeTable, used: Any) -> tuple[NodeTable, Any]:
-    """The nodes that have dofs, and which of them rotate, from which directions are used (n, 6)."""
+def _used_nodes(table: NodeTable, used: Any, names: str) -> tuple[NodeTable, Any]:
+    """The nodes that have dofs, and which of them rotate, from which directions are used (n, 6).
+
+    names: of the files of the matrices, for the message.
+    """
     there = used.any(axis=1)
     wrong = there & ~(
         used[:, :3].all(axis=1) & (used[:, 3:].all(axis=1) | ~used[:, 3:].any(axis=1))
@@ -170,7 +190,7 @@ def _used_nodes(table: NodeTable, used: Any) -> tuple[NodeTable, Any]:
         node = int(np.argmax(wrong))
         directions = ", ".join(str(i + 1) for i in np.flatnonzero(used[node]))
         raise MatrixError(
-            "expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found "
+            f"{names}: expected stiffness or mass on dofs 1 to 3 of a node, or on 1 to 6, found "
             f"{directions} at node {table.labels[node]}, and such at {wrong.sum() - 1} others: "
             "export the model without constraints"
         )
@@ -191,15 +211,16 @@ def _ordered(entries: Any, new_row: IntArray, kept: Any, n_dofs: int) -> Any:
 def _symmetric(model: GivenModel, name: str, matrix: Any) -> Any:
     """(K + K^T) / 2; of half a matrix, with one entry for each pair of dofs, K + K^T - diag K."""
     transposed = matrix.T.tocsc()
+    diagonal = sp.diags_array(matrix.diagonal(), format="csc")
+    one_side = (matrix - diagonal).astype(bool)
+    # No pair of dofs is there twice: the file holds one triangle, in whichever order. Before the
+    # difference, which is small where the triangle is small beside the diagonal.
+    if one_side.nnz and not one_side.multiply(one_side.T.tocsc()).nnz:
+        return _turned(model, matrix + transposed - diagonal)
     difference = matrix - transposed
     largest = abs(matrix).max()
     if abs(difference).max() <= MAX_ASYMMETRY * largest:
         return _turned(model, 0.5 * (matrix + transposed))
-    diagonal = sp.diags_array(matrix.diagonal(), format="csc")
-    one_side = (matrix - diagonal).astype(bool)
-    # No pair of dofs is there twice: the file holds one triangle, in whichever order.
-    if not one_side.multiply(one_side.T.tocsc()).nnz:
-        return _turned(model, matrix + transposed - diagonal)
     entries = abs(difference).tocoo()
     worst = int(np.argmax(entries.data))
     row, column = (model.dof(int(numbers[worst])) for numbers in (entries.row, entries.col))

@@ -10,13 +10,18 @@ MASS_NAMES = ("MGG", "MAA", "MAAX", "MXX")
 
 
 def chosen_name(names: Iterable[str], wanted: tuple[str, ...]) -> str:
-    """The first wanted name that is there, else the only name. `MatrixError` lists what is there.
+    """The first wanted name that is there, else the only name, unless that is of another matrix.
+
+    `MatrixError` lists what is there.
 
     >>> chosen_name(["PG", "MAA", "KAA"], STIFFNESS_NAMES)
     'KAA'
     """
     there = list(dict.fromkeys(names))
-    found = [name for name in wanted if name in there] or (there if len(there) == 1 else [])
+    found = [name for name in wanted if name in there]
+    # A name of no meaning may be that of any matrix; KGG is not that of a mass.
+    if not found and len(there) == 1 and there[0] not in (*STIFFNESS_NAMES, *MASS_NAMES):
+        found = there
     if not found:
         raise MatrixError(
             f"expected a matrix {', '.join(wanted[:-1])} or {wanted[-1]}, "

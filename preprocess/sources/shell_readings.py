@@ -11,11 +11,11 @@ from ..elements.shell import Shells
 from ..elements.shell_matrices import nodal_strains
 from ..elements.shell_shape import TRIANGLE_CORNERS
 from ..errors import BodyError
+from ..mesh.mesh import IntArray
 from ..mesh.nodes import node_dofs, spider
 from ..sparse import in_columns
 from .shell_faces import LOWER_FACE, UPPER_FACE, MeshOfShells, face_stresses
 
-NEAREST_ELEMENTS = 32  # that are searched for a point
 MAX_STEPS = 30
 OUTSIDE_TOLERANCE = 1e-6
 """How far a point may be outside, over the size of the mesh, or in reference coordinates."""
@@ -38,18 +38,32 @@ def locate_in_shells(source: MeshOfShells, point: Array) -> ShellPoint:
     best: ShellPoint | None = None
     nearest = np.inf
     for kind, shells in source.shells.items():
-        distance = np.linalg.norm(shells.X.mean(axis=1) - point, axis=1)
-        for row in np.argsort(distance)[:NEAREST_ELEMENTS].tolist():
+        heights = _heights(source, kind)
+        middle = shells.X.mean(axis=1)
+        distance = np.linalg.norm(middle - point, axis=1)
+        # No point of an element is farther from its middle than its corners and its faces are.
+        reach = np.linalg.norm(shells.X - middle[:, None], axis=2).max(axis=1)
+        reach += np.abs(heights).max(axis=1) + 2.0 * OUTSIDE_TOLERANCE * source.mesh.size
+        rows = np.flatnonzero(distance <= reach)
+        for row in rows[np.argsort(distance[rows])].tolist():
             # The element whose middle is nearest need not be the one that has the point.
             xi, z = _projected(shells.some(np.array([row])), point)
-            low, high = _laminate(source, kind, row).z
+            low, high = heights[row]
             beyond = max(low - z, z - high, 0.0) / source.mesh.size
             beyond += _beyond(shells, xi)
             if beyond < nearest:
                 best, nearest = ShellPoint(kind, row, xi, z), beyond
+            if not beyond:
+                break
     if best is None or nearest > OUTSIDE_TOLERANCE:
         raise BodyError(f"expected a point within the thickness of a shell, found {point.tolist()}")
     return best
+
+
+def _heights(source: MeshOfShells, kind: str) -> Array:
+    """Of the lower and the upper face over the nodes (n, 2) [m], of the elements of a type."""
+    heights = np.array([laminate.z for laminate in source.laminates.values])
+    return np.asarray(heights[source.mesh.of_kind(source.laminates.owners, kind)])
 
 
 def _laminate(source: MeshOfShells, kind: str, row: int) -> Laminate:
@@ -141,20 +155,34 @@ def volume_loads(source: MeshOfShells, group: str | None, density: Array) -> Arr
 
     f_i = int N_i t dA density,   moments d_i x int N_i s dA density,   t, s = int (1, z) dz
     """
-    total = np.zeros((len(source.mesh.points), 6))
-    chosen = np.full(source.mesh.n_elements, int(group is None))
-    if group is not None:
-        chosen[source.mesh.members(group)] = 1
-    if not chosen.any():
+    if group is None:
+        return _middle_loads(source, np.arange(source.mesh.n_elements), density, through=True)
+    if not len(members := source.mesh.members(group)):
         raise BodyError(f"group {group!r}: expected shells, found none")
-    heights = np.array([laminate.z for laminate in source.laminates.values])
+    return _middle_loads(source, members, density, through=True)
+
+
+def traction_loads(source: MeshOfShells, elements: IntArray, traction: Array) -> Array:
+    """Forces and moments (n_points, 6) of a traction (3,) in the middle of the thickness.
+
+    f_i = int N_i dA traction,   moments z d_i x f_i,   z: the height of the middle
+    """
+    return _middle_loads(source, elements, traction, through=False)
+
+
+def _middle_loads(source: MeshOfShells, elements: IntArray, load: Array, through: bool) -> Array:
+    """Of a load per area, or `through` the thickness per volume, on some elements."""
+    total = np.zeros((len(source.mesh.points), 6))
+    chosen = np.zeros(source.mesh.n_elements, dtype=np.int64)
+    chosen[elements] = 1
     for kind, shells in source.shells.items():
         rows = np.flatnonzero(source.mesh.of_kind(chosen, kind))
         some = shells.some(rows)
-        low, high = heights[source.mesh.of_kind(source.laminates.owners, kind)[rows]].T
+        low, high = _heights(source, kind)[rows].T
         xi = some.shape.xi
         areas = (some.frames(xi).areas * some.shape.weights) @ some.shape.N(xi).T
-        forces = ((high - low)[:, None] * areas)[..., None] * density
+        extent = (high - low)[:, None] * areas if through else areas
+        forces = extent[..., None] * load
         arms = 0.5 * (low + high)[:, None, None] * some.d
         turning = spider(arms.reshape(-1, 3)).transpose(0, 2, 1)[:, 3:]
         moments = np.einsum("nij,nj->ni", turning, forces.reshape(-1, 3))

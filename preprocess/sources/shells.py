@@ -28,7 +28,7 @@ from ..elements.shell import Shells
 from ..elements.shell_matrices import shell_matrices
 from ..elements.shell_second import ShellTensors
 from ..elements.shell_shape import SHELL_SHAPES
-from ..elements.solid_force import pressure_forces, traction_forces
+from ..elements.solid_force import pressure_forces
 from ..errors import BodyError, MeshError
 from ..mesh.connectivity import check_connected
 from ..mesh.facets import Facets
@@ -41,6 +41,7 @@ from .shell_readings import (
     face_stress_rows,
     gauge_rows,
     shell_displacement_rows,
+    traction_loads,
     volume_loads,
 )
 
@@ -188,17 +189,13 @@ class ShellSource:
     def _check_sides(self) -> None:
         """`MeshError` for neighbors whose normals are on opposite sides, where sides matter."""
         turned = self.directors.turned
-        sided = self.body.loads or any(
-            np.abs(laminate.stiffness[:3, 3:6]).max() > 1e-9 * laminate.stiffness[0, 0] * thickness
-            for laminate in self.laminates.values
-            for thickness in (laminate.z[1] - laminate.z[0],)
-        )
+        sided = self.body.loads or any(laminate.sided for laminate in self.laminates.values)
         if len(turned) and sided:
             first, second = (self._named(*self.mesh.element(int(i))) for i in turned[0])
             raise MeshError(
                 f"{self.name}: expected normals on one side of a surface, found them on opposite "
                 f"sides of neighbors, {first} and {second}; {len(turned)} such pairs: "
-                "loads, offsets and unsymmetric plies need one side"
+                "loads, offsets, unsymmetric plies and plies at an angle need one side"
             )
 
     def tensors(self, M: Any, center: Array) -> ShellTensors:
@@ -220,10 +217,13 @@ class ShellSource:
             for name, selection in getattr(self.body, table).items():
                 if getattr(selection, "interface", None) is not None or selection.rigid:
                     continue
-                if len(nodes := self.attachment(selection).nodes) > 1:
+                nodes = self.attachment(selection).nodes
+                # From one node to another place leads an arm, which turns with it.
+                if len(nodes) > 1 or selection.at is not None:
+                    found = f"an average of {len(nodes)} nodes" if len(nodes) > 1 else "one with at"
                     raise BodyError(
                         f"{table}.{name}: with [rotation] expected one node, or an interface of "
-                        f'kind = "rigid", found an average of {len(nodes)} nodes'
+                        f'kind = "rigid", found {found}'
                     )
 
     def attachment(self, selection: Selection) -> Attachment:
@@ -256,12 +256,13 @@ class ShellSource:
         check_elements(load, self.mesh)
         if names_points(load, self.mesh):
             raise BodyError(f"group {load.group!r}: expected shells, found points")
-        patch = self.facets.patch(np.unique(mesh_facets(load, self.mesh, self.facets)))
+        chosen = np.unique(mesh_facets(load, self.mesh, self.facets))
+        if load.traction is not None:
+            return traction_loads(self, chosen, np.array(load.traction)).ravel()
+        assert load.pressure is not None
         total = np.zeros((len(self.mesh.points), 6))
-        if load.pressure is not None:
-            total[:, :3] = pressure_forces(self.mesh.points, patch, load.pressure)
-        else:
-            total[:, :3] = traction_forces(self.mesh.points, patch, np.array(load.traction))
+        patch = self.facets.patch(chosen)
+        total[:, :3] = pressure_forces(self.mesh.points, patch, load.pressure)
         return total.ravel()
 
     def readings(self, sensor: SensorPoint) -> tuple[Any, Array]:
