@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ pytest.importorskip("gmsh")
 from duhamel import preprocess, solver, superelement
 from duhamel.cad import CadError
 from duhamel.cli import app
-from duhamel.cli.assembly import import_assembly
+from duhamel.cli.assembly import _parts, import_assembly
 from typer.testing import CliRunner
 
 from .parts import block, two, write
@@ -79,6 +80,12 @@ def test_the_command_writes_files_once_and_keeps_what_is_there(
     assert sorted(tmp_path.iterdir()) == before
     refused = run(app, ["import", str(assembly), "--base", "free"])
     assert "--base: is for robots" in refused.output
+
+
+def test_no_body_has_the_name_of_the_ground() -> None:
+    solids: dict[str, Any] = {"Ground": None, "arm": None}
+    names = [part.name for part in _parts(solids, "machine", "model")]
+    assert names == ["Ground_2", "arm"]
 
 
 def test_a_single_part_has_the_name_of_its_file(tmp_path: Path) -> None:

@@ -41,6 +41,24 @@ def test_a_curved_element_that_folds_over_is_refused(height: float, folds: bool)
             meshing._check_folded(elements, jacobians, 1e-3)
 
 
+@pytest.mark.parametrize(("middle", "expected"), [(5.0, 1.0), (6.0, 0.6 / 1.4)])
+def test_the_jacobian_is_the_smallest_over_the_largest_one(middle: float, expected: float) -> None:
+    """Whatever its shape: x,r = 4 m - 10 + r (20 - 4 m) along the edge, m its middle."""
+    assert _jacobians_of(CORNERS, middle) == pytest.approx(expected)
+    # Two corners exchanged: nowhere positive.
+    assert _jacobians_of(CORNERS[[1, 0, 2, 3]], middle) < 0.0
+
+
+def _jacobians_of(corners: Any, middle: float) -> float:
+    middles = np.array([corners[[i, j]].mean(axis=0) for i, j in EDGES])
+    middles[0, 0] = middle
+    with session():
+        volume = gmsh.model.addDiscreteEntity(3)
+        gmsh.model.mesh.addNodes(3, volume, range(1, 11), np.vstack([corners, middles]).ravel())
+        gmsh.model.mesh.addElementsByType(volume, meshing.TEN_NODE_TYPE, [1], range(1, 11))
+        return float(meshing._jacobians()[1][0])
+
+
 def test_a_volume_that_one_algorithm_gives_up_is_filled_by_another(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

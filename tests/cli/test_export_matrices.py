@@ -18,6 +18,14 @@ INTERFACES = {
     "middle": {"node": [0.2, 0.0, 0.0]},
 }
 
+BAR = {
+    "name": "bar",
+    "material": STEEL,
+    "interfaces": INTERFACES,
+    "impulse": {"step": 1e-5, "steps": 10, "method": "modal"},
+    "damping": {"modal": 0.02},
+}
+
 
 @pytest.fixture(scope="module")
 def bar(tmp_path_factory):
@@ -28,18 +36,8 @@ def bar(tmp_path_factory):
     mesh = skfem.MeshHex.init_tensor(
         np.linspace(0, 0.4, 5), np.linspace(0, 0.05, 2), np.linspace(0, 0.03, 2)
     )
-    body = Body.model_validate(
-        {
-            "name": "bar",
-            "mesh": mesh_of(mesh),
-            "material": STEEL,
-            "interfaces": INTERFACES,
-            "impulse": {"step": 1e-5, "steps": 10, "method": "modal"},
-            "damping": {"modal": 0.02},
-        }
-    )
     path = tmp_path_factory.mktemp("bar") / "bar.h5"
-    superelement.write(build(body), path)
+    superelement.write(build(Body.model_validate(BAR | {"mesh": mesh_of(mesh)})), path)
     return path
 
 
@@ -95,6 +93,38 @@ def test_a_body_with_one_interface(runner, bar, tmp_path):
     np.savez(path, **arrays)
     with pytest.raises(MatrixError, match=r"translation along y .* strain energy of 5 J at 1 m"):
         build(body)
+
+
+def test_files_of_the_name_of_the_superelement_stay(runner, bar, tmp_path):
+    """Those of its mesh and its matrices, and itself by another name."""
+    (tmp_path / "bar.h5").write_bytes(bar.read_bytes())
+    own = [tmp_path / f"bar{suffix}" for suffix in (".npz", ".op4", ".pch", ".bdf")]
+    for path in own:
+        path.write_text("mine")
+    asked = ["export", str(tmp_path / "bar.h5"), str(tmp_path), "--to", "craig-bampton"]
+    assert runner.invoke(app, asked).exit_code == 0
+    assert [path.read_text() for path in own] == ["mine"] * 4
+    (tmp_path / "bar-reduced.pch").unlink()
+    (tmp_path / "bar-reduced.pch").hardlink_to(tmp_path / "bar.h5")
+    found = runner.invoke(app, asked)
+    assert found.exit_code == 1
+    assert "bar-reduced.pch is the input" in " ".join(found.stderr.split())
+    assert (tmp_path / "bar.h5").read_bytes() == bar.read_bytes()
+
+
+def test_surfaces_and_fields_that_are_left_out_are_named(runner, tmp_path):
+    import skfem
+    from duhamel.preprocess import mesh_of
+
+    sides = [np.linspace(0, size, 2) for size in (0.4, 0.05, 0.03)]
+    mesh = mesh_of(skfem.MeshHex.init_tensor(*sides))
+    top = {"plane": {"point": [0, 0, 0.03], "normal": [0, 0, 1]}}
+    interfaces = {"root": INTERFACES["root"]}
+    parts = {"mesh": mesh, "interfaces": interfaces, "surfaces": {"top": top}, "recovery": {}}
+    superelement.write(build(Body.model_validate(BAR | parts)), tmp_path / "bar.h5")
+    asked = ["export", str(tmp_path / "bar.h5"), str(tmp_path), "--to", "craig-bampton"]
+    found = runner.invoke(app, asked)
+    assert "left out: [surfaces], [recovery]" in found.output
 
 
 def test_interfaces_that_move_together_are_refused(bar):

@@ -317,6 +317,43 @@ def test_cross_plies_have_the_stiffness_of_classical_lamination_theory():
     assert balanced[3, 5] > 0.1 * balanced[3, 3]
 
 
+LIGHT = STEEL | {"rho": 1000.0}
+
+
+@pytest.mark.parametrize(
+    ("plies", "sided"),
+    [
+        ([("c", 1.0), ("c", 91.0), ("c", 1.0)], True),
+        ([("c", 0.0), ("c", 90.0), ("c", 0.0)], False),
+        ([("c", 45.0), ("c", -45.0), ("c", -45.0), ("c", 45.0)], True),
+        ([("s", 30.0)], False),
+        ([("s", 0.0), ("light", 0.0)], True),
+    ],
+)
+def test_laminates_that_turn_with_their_normal(plies, sided):
+    """Plies at an angle, also symmetric ones, and a mass beside the middle."""
+    materials = {"c": CARBON, "s": STEEL, "light": LIGHT}
+    assert laminate([(name, 1e-3, a) for name, a in plies], materials).sided == sided
+
+
+def test_waves_of_bending_are_those_about_the_neutral_axis():
+    """Wherever the nodes are: of steel and of two plies that stretch as they bend."""
+    for plies in ([("s", 0.004)], [("s", 0.001), ("c", 0.003)]):
+        waves = []
+        for z in (-0.01, 0.0, 0.02):
+            layers = []
+            for name, thickness in plies:
+                material = Material(**{"s": STEEL, "c": CARBON}[name])
+                layers.append(Layer(material, (z, z + thickness)))
+                z += thickness
+            waves.append(Laminate(layers).shortest_wave(1e3))
+        np.testing.assert_allclose(waves, waves[0], rtol=1e-9)
+    D = 210e9 * 0.004**3 / 12 / 0.91
+    exact = 2 * np.pi * (D / (7850.0 * 0.004 * (2e3 * np.pi) ** 2)) ** 0.25
+    found = laminate([("s", 0.004, 0.0)], {"s": STEEL}).shortest_wave(1e3)
+    assert found == pytest.approx(exact)
+
+
 def test_a_sandwich_gives_way_in_its_core():
     """Thin faces: G (h + t)^2 / h. Five sixths of the mean modulus would be stiffer by hundreds."""
     foam = {"E": 1e7, "nu": 0.3, "rho": 60.0}

@@ -19,7 +19,10 @@ from duhamel.preprocess import (
     read_body,
 )
 from duhamel.preprocess.assembly.second_order import second_order
+from duhamel.preprocess.body.body import Matrices
 from duhamel.preprocess.body.damping import Damping
+from duhamel.preprocess.given.matrices import read_matrices
+from duhamel.preprocess.given.matrix_names import MASS_NAMES, chosen_name
 from duhamel.preprocess.sources.reading import read_source
 from duhamel.preprocess.survey import survey
 from pydantic import ValidationError
@@ -493,7 +496,8 @@ def test_nodes_that_do_not_have_all_displacements_or_rotations(beam, tmp_path):
     model = export(assemble(beam))
     part = model.reordered(np.arange(6), np.flatnonzero((model.dofs != [24, 5]).any(axis=1)))
     with pytest.raises(
-        MatrixError, match=r"on dofs 1 to 3 of a node, or on 1 to 6, found 1, 2, 3, 4, 6 at node 24"
+        MatrixError,
+        match=r"K.mtx, M.mtx: .* 1 to 3 of a node, or on 1 to 6, found 1, 2, 3, 4, 6 at node 24",
     ):
         assemble(given(part.write(tmp_path, abaqus_input)))
 
@@ -611,6 +615,36 @@ def test_files_that_do_not_fit(solid, tmp_path, key, name, content, message):
         (tmp_path / name).write_text(content)
     with pytest.raises(MatrixError, match=message):
         assemble(given({**files, key: tmp_path / name}))
+
+
+def test_a_triangle_that_is_small_beside_the_diagonal_is_not_halved(tmp_path):
+    """Its entries count twice, though the matrix is nearly its mirror image."""
+    (tmp_path / "nodes.csv").write_text("1, 0, 0, 0\n")
+    half = np.array([[2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 1e11]])
+    sp.save_npz(tmp_path / "K.npz", sp.csc_array(half))
+    sp.save_npz(tmp_path / "M.npz", sp.csc_array(np.eye(3)))
+    files = {"stiffness": "K.npz", "mass": "M.npz", "nodes": "nodes.csv"}
+    files = {key: tmp_path / name for key, name in files.items()}
+    model = read_matrices(Matrices.model_validate(files))
+    np.testing.assert_array_equal(model.K.toarray(), half + np.tril(half, -1).T)
+    np.testing.assert_array_equal(model.M.toarray(), np.eye(3))
+
+
+def test_a_table_of_dofs_that_no_matrix_takes_is_refused(solid, tmp_path):
+    files = export(assemble(solid)).write(tmp_path, abaqus_input, map_dofs=True)
+    with pytest.raises(MatrixError, match=r"dofs.csv: expected no matrices.dofs, for K.mtx, M.mtx"):
+        assemble(given(files))
+
+
+def test_one_matrix_is_not_both(solid, tmp_path):
+    model = export(assemble(solid))
+    files = model.write(tmp_path)
+    lone = op4_text(tmp_path / "K", model.K, None)
+    with pytest.raises(MatrixError, match=r"K.op4: .* found the same matrix for both"):
+        assemble(given({"stiffness": lone, "nodes": files["nodes"]}))
+    assert chosen_name(["STIFF"], MASS_NAMES) == "STIFF"
+    with pytest.raises(MatrixError, match=r"expected a matrix MGG, .* found KGG"):
+        chosen_name(["KGG"], MASS_NAMES)
 
 
 def test_files_of_nastran(solid, tmp_path):

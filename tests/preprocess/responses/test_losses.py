@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from duhamel.preprocess import Body, assemble, build
+from duhamel.preprocess import Body, assemble, build, mesh_of
+from duhamel.preprocess.assembly.losses import lossy_parts
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.loss import fits_of, scaled
 from duhamel.preprocess.responses.damping import damping_ratios
+from duhamel.preprocess.sources.reading import read_source
 from duhamel.superelement import GeneralizedAlpha, check
 from duhamel.superelement.transfer import transfer
 
@@ -126,6 +128,43 @@ def test_materials_of_different_loss_damp_modes_by_their_strain_energy(beam_body
         assert found[i] == pytest.approx(nearest.imag / nearest.real, rel=0.04)
         assert 0.006 < found[i] < 0.018
     assert element.modes.chain.amplitude.shape == (len(fits["outer"].tau), len(modes.omega))
+
+
+def test_parts_of_one_material_each_are_what_twice_its_modulus_adds(beam_body, lines, section):
+    body = two_sections(beam_body, lines, section, 0.005, 0.02)
+    K, parts = assemble(body).K, lossy_parts(body, read_source(body))
+    assert set(parts) == {"inner", "outer"}
+    for name, part in parts.items():
+        added = assemble(scaled(body, {name: 2.0})).K - K
+        assert abs(part - added).max() < 1e-11 * abs(K).max()
+
+
+def test_parts_of_a_sandwich_add_up_to_its_stiffness():
+    """By Euler's theorem: its shear is in series, of the first degree in all moduli together."""
+    faces, core = (
+        {"thickness": 0.005, "material": "steel"},
+        {"thickness": 0.01, "material": "resin"},
+    )
+    square = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]]
+    body = Body.model_validate(
+        {
+            "name": "sandwich",
+            "mesh": mesh_of((square, {"quad": [[0, 1, 2, 3]]})),
+            "shell": {"plies": [faces, core, faces], "orientation": [1, 0, 0]},
+            "materials": {
+                "steel": {"E": 210e9, "nu": 0.3, "rho": 7850.0, "loss_factor": 1e-3},
+                "resin": {"E": 2e10, "nu": 0.3, "rho": 1800.0, "loss_factor": 0.3},
+            },
+            "interfaces": {"corner": {"node": [0, 0, 0]}},
+            "impulse": SHORT,
+            "damping": {"band": LOSS["band"]},
+        }
+    )
+    K, parts = assemble(body).K.toarray(), lossy_parts(body, read_source(body))
+    total = sum(part.toarray() for part in parts.values())
+    # Deflections alone, which shear resists.
+    across = np.ix_([2, 8, 14, 20], [2, 8, 14, 20])
+    assert np.abs(total - K)[across].max() < 1e-6 * np.abs(K[across]).max()
 
 
 def _factor(found, omega):

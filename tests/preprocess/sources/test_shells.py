@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from duhamel.preprocess import Body, BodyError, MeshError, PreprocessError, assemble, build, mesh_of
 from duhamel.preprocess.assembly.structure import assemble_on
+from duhamel.preprocess.body.loads import LoadPattern
+from duhamel.preprocess.body.sensors import SensorPoint
 from duhamel.preprocess.mesh.divided import divided
 from duhamel.preprocess.outline import outline_of
 from duhamel.preprocess.responses.static import compliance
@@ -77,6 +79,21 @@ def test_sensors_and_faces_move_as_rigid_bodies_do(arc):
     assert np.abs(stress @ u).max() < 1e-9 * np.abs(stress).max()
 
 
+def test_a_point_is_found_in_a_long_shell_beside_many_small_ones():
+    """Whose middles are all nearer."""
+
+    def place(r, s):
+        return 0.05 * min(9 * r, 8.0) + 10.0 * max(9 * r - 8.0, 0.0), 0.25 * s, 0.0
+
+    source = Grid(place, (9, 5), thickness=t, **STEEL).source
+    point = [0.41, 0.12, 0.004]
+    sensor = SensorPoint(point=point)
+    rows, _ = source.readings(sensor)
+    turned = np.broadcast_to((0.1, -0.2, 0.3), source.mesh.points.shape)
+    u = np.hstack([rigid(source.mesh.points), turned])
+    np.testing.assert_allclose(rows @ u.ravel(), rigid(point), atol=1e-12)
+
+
 def test_gauges_and_stresses_are_those_of_a_bent_and_stretched_plate(plate):
     """On the upper face, of curvatures k and strains e that the patch test has exactly."""
     e, k = np.array([1e-4, -2e-4, 3e-4]), np.array([-2e-3, 1e-3, 4e-3])
@@ -121,6 +138,9 @@ def test_loads_have_the_resultants_of_what_they_are_spread_over(arc):
     np.testing.assert_allclose(pressure[:3], [1.5, 0.0, 1.5], atol=1e-9)
     area = source.shares()[0].extent
     np.testing.assert_allclose(traction[:3], [0.0, 2.0 * area, 0.0], atol=1e-9)
+    # In the middle of the thickness, where a force per volume acts.
+    spread = LoadPattern(force_per_volume=(0.0, 2.0 / t, 0.0))
+    np.testing.assert_allclose(source.forces(source.body.loads["traction"]), source.forces(spread))
     # As gravity on the mass, whose moments are those of its middle beside the nodes.
     g = np.tile([0, 0, -5.0 / 7850.0, 0, 0, 0], len(arc.points))
     np.testing.assert_allclose(weight, A.T @ (arc.M @ g), rtol=1e-9, atol=1e-9)
@@ -219,6 +239,7 @@ def test_groups_have_thicknesses_offsets_and_materials_of_their_own():
 
 
 SOLID_CELL = {"tetra": [[0, 1, 2, 3]]}
+THICK = {"thick": {"thickness": 0.1, "material": "foam"}}
 REFUSED = [
     ({"shells": {}, "materials": {}, "material": STEEL}, "expected .shell. or .shells.GROUP"),
     ({"shell": {"thickness": 0.001}}, "expected one of shell and shells, found both"),
@@ -233,6 +254,14 @@ REFUSED = [
         "impulse.solver: expected auto or factor of shells",
     ),
     ({"rotation": {"level": 2}}, "rotation.level: expected 1 of shells"),
+    (
+        {
+            "interfaces": {"a": {"sphere": {"center": [0, 0, 0], "radius": 0.1}, "at": [0, 0, 1]}},
+            "shells": {"thin": {"thickness": 1e-3, "material": "steel"}} | THICK,
+            "rotation": {"level": 1},
+        },
+        "interfaces.a: with .rotation. expected one node, .* found one with at",
+    ),
     ({"surfaces": {"top": {"group": "thin"}}}, "surfaces: expected a mesh of solids, found shells"),
     ({"loads": {"f": {"force_per_length": [1, 0, 0]}}}, "expected a mesh of lines, found one of s"),
     ({"loads": {"f": {"force_per_volume": [1, 0, 0], "group": "no"}}}, "no group 'no'"),
@@ -287,6 +316,26 @@ def test_meshes_that_are_no_shells_are_named(cells, words):
     body = grouped() | {"mesh": mesh_of((points, {"quad": cells})), "shells": {}}
     body |= {"shell": {"thickness": 0.1, "offset": 0.1}, "materials": {}, "material": STEEL}
     with pytest.raises(MeshError, match=words):
+        assemble(Body.model_validate(body))
+
+
+@pytest.mark.parametrize(("angle", "sided"), [(90.0, False), (30.0, True)])
+def test_normals_matter_to_plies_at_an_angle(angle, sided):
+    """One ply, so nothing couples stretch and bending."""
+    points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+    mesh = mesh_of((points, {"quad": [[0, 1, 4, 3], [4, 5, 2, 1]]}))
+    plies = [{"thickness": 0.1, "angle": angle}]
+    body = grouped() | {
+        "mesh": mesh,
+        "shells": {},
+        "materials": {},
+        "material": STEEL | {"G": 4e10},
+    }
+    body |= {"shell": {"plies": plies, "orientation": [1, 0, 0]}}
+    if not sided:
+        assemble(Body.model_validate(body))
+        return
+    with pytest.raises(MeshError, match=r"opposite sides .* and plies at an angle need one side"):
         assemble(Body.model_validate(body))
 
 
