@@ -13,12 +13,12 @@ OP4_NAMES = {"stiffness": "KXX", "mass": "MXX", "damping": "BXX"}
 DMIG_NAMES = {"stiffness": "KAAX", "mass": "MAAX", "damping": "BAAX"}
 """as Nastran names those of an external superelement"""
 # Beside a superelement there often are the files of its mesh, of its plain name.
-ARRAYS, OP4, DMIG, DECK = ENDINGS = tuple(f"-reduced{s}" for s in (".npz", ".op4", ".pch", ".bdf"))
+FILE_ENDINGS = ("-reduced.npz", "-reduced.op4", "-reduced.pch", "-reduced.bdf")
 
 
 @superelement_format(
     "craig-bampton",
-    ENDINGS,
+    FILE_ENDINGS,
     "the matrices of a superelement, as arrays, OUTPUT4 and DMIG for Nastran",
 )
 def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
@@ -44,13 +44,14 @@ def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Pat
         {"stiffness": reduced.K, "mass": reduced.M, "damping": reduced.C},
         reduced.omega / (2.0 * np.pi),
     )
+    arrays, op4, dmig, deck = (f"{stem}{ending}" for ending in FILE_ENDINGS)
     with exported(folder) as export:
-        with export.file(f"{stem}{ARRAYS}") as path:
+        with export.file(arrays) as path:
             write_arrays(model, path)
-        with export.file(f"{stem}{OP4}") as path:
+        with export.file(op4) as path:
             write_op4(model, OP4_NAMES, path)
-        with export.file(f"{stem}{DMIG}") as path:
+        with export.file(dmig) as path:
             write_dmig(model, DMIG_NAMES, path)
-        with export.file(f"{stem}{DECK}") as path:
+        with export.file(deck) as path:
             write_deck(model, path)
     return export.paths
