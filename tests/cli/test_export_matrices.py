@@ -116,11 +116,12 @@ def test_surfaces_and_fields_that_are_left_out_are_named(runner, tmp_path):
     import skfem
     from duhamel.preprocess import mesh_of
 
-    sides = [np.linspace(0, size, 2) for size in (0.4, 0.05, 0.03)]
+    sides = [np.linspace(0, size, n) for size, n in ((0.4, 6), (0.05, 3), (0.03, 2))]
     mesh = mesh_of(skfem.MeshHex.init_tensor(*sides))
     top = {"plane": {"point": [0, 0, 0.03], "normal": [0, 0, 1]}}
     interfaces = {"root": INTERFACES["root"]}
     parts = {"mesh": mesh, "interfaces": interfaces, "surfaces": {"top": top}, "recovery": {}}
+    parts["impulse"] = {"step": 1e-5, "steps": 10, "band": 2e4}
     superelement.write(build(Body.model_validate(BAR | parts)), tmp_path / "bar.h5")
     asked = ["export", str(tmp_path / "bar.h5"), str(tmp_path), "--to", "craig-bampton"]
     found = runner.invoke(app, asked)

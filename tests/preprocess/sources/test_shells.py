@@ -238,8 +238,19 @@ def test_groups_have_thicknesses_offsets_and_materials_of_their_own():
     assert assemble(body).rigid.center[2] == pytest.approx(6.0 * 0.05 / 13.85)
 
 
+@pytest.mark.parametrize(
+    ("radius", "at", "found"),
+    [(0.01, [0, 0, 1], "one with at"), (0.06, None, "an average of 3 nodes")],
+)
+def test_frames_of_which_the_second_order_is_not_known_are_refused(plate, radius, at, found):
+    """A frame beside its node has an arm that turns, as those on several nodes have."""
+    ball = {"sphere": {"center": [0, 0, 0], "radius": radius}, **({"at": at} if at else {})}
+    source = on(plate, interfaces={"a": ball}, rotation={"level": 1})
+    with pytest.raises(BodyError, match=f"interfaces.a: with .rotation. .* found {found}"):
+        source.tensors(plate.M, np.zeros(3))
+
+
 SOLID_CELL = {"tetra": [[0, 1, 2, 3]]}
-THICK = {"thick": {"thickness": 0.1, "material": "foam"}}
 REFUSED = [
     ({"shells": {}, "materials": {}, "material": STEEL}, "expected .shell. or .shells.GROUP"),
     ({"shell": {"thickness": 0.001}}, "expected one of shell and shells, found both"),
@@ -254,14 +265,6 @@ REFUSED = [
         "impulse.solver: expected auto or factor of shells",
     ),
     ({"rotation": {"level": 2}}, "rotation.level: expected 1 of shells"),
-    (
-        {
-            "interfaces": {"a": {"sphere": {"center": [0, 0, 0], "radius": 0.1}, "at": [0, 0, 1]}},
-            "shells": {"thin": {"thickness": 1e-3, "material": "steel"}} | THICK,
-            "rotation": {"level": 1},
-        },
-        "interfaces.a: with .rotation. expected one node, .* found one with at",
-    ),
     ({"surfaces": {"top": {"group": "thin"}}}, "surfaces: expected a mesh of solids, found shells"),
     ({"loads": {"f": {"force_per_length": [1, 0, 0]}}}, "expected a mesh of lines, found one of s"),
     ({"loads": {"f": {"force_per_volume": [1, 0, 0], "group": "no"}}}, "no group 'no'"),
