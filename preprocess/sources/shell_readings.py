@@ -39,13 +39,12 @@ def locate_in_shells(source: MeshOfShells, point: Array) -> ShellPoint:
     nearest = np.inf
     for kind, shells in source.shells.items():
         heights = _heights(source, kind)
-        middle = shells.X.mean(axis=1)
-        distance = np.linalg.norm(middle - point, axis=1)
-        # No point of an element is farther from its middle than its corners and its faces are.
-        reach = np.linalg.norm(shells.X - middle[:, None], axis=2).max(axis=1)
-        reach += np.abs(heights).max(axis=1) + 2.0 * OUTSIDE_TOLERANCE * source.mesh.size
-        rows = np.flatnonzero(distance <= reach)
-        for row in rows[np.argsort(distance[rows])].tolist():
+        # All points of an element are in the box of its corners, or as far from it as its faces.
+        reach = np.abs(heights).max(axis=1) + 2.0 * OUTSIDE_TOLERANCE * source.mesh.size
+        outside = np.maximum(shells.X.min(axis=1) - point, point - shells.X.max(axis=1))
+        rows = np.flatnonzero(outside.max(axis=1) <= reach)
+        distance = np.linalg.norm(shells.X[rows].mean(axis=1) - point, axis=1)
+        for row in rows[np.argsort(distance)].tolist():
             # The element whose middle is nearest need not be the one that has the point.
             xi, z = _projected(shells.some(np.array([row])), point)
             low, high = heights[row]
