@@ -26,7 +26,7 @@ Histories = Annotated[
 StressedBodies = Annotated[
     list[str] | None,
     typer.Option(
-        "--body", metavar="NAME", help="StressedBodies with stresses, of which all points count."
+        "--body", metavar="NAME", help="Bodies with stresses, of which all points count."
     ),
 ]
 KneeAmplitude = Annotated[

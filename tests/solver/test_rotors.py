@@ -205,6 +205,8 @@ def test_floquet_multipliers_of_a_rotor_of_unequal_inertia_on_unequal_bearings(s
     [
         ({"inertia": (0.1, 0.12, 0.2)}, "not alike all round the axis"),
         ({"turn": [0.1, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, "axis: expected that of the rotor"),
+        ({"housing": True},
+         "bearing 'right': between: expected a support on the ground, .* got 'housing'"),
         ({"speeds": [0.0, 40.0], "stiffness": [[1.0, 0.0, 0.0, 1.0]] * 2, "damping": 0.0},
          "bearing 'left': speeds: 50 rad/s is beyond its table, from 0 to 40"),
     ],
