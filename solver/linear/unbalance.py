@@ -117,7 +117,7 @@ def _peak(
             return spin, np.inf  # it resonates without damping
         away = spin - middle
         foreseen = (a * away**2 + b * away + c) * (size / top) ** 2
-        # What is foreseen where nothing has been solved shows that the parabola is that of the peak.
+        # That it foresees what had not been solved shows that the parabola is that of the peak.
         if abs(foreseen - 1.0) < 2.0 * PEAK_TOLERANCE:
             return max((spin, size), (middle, top), key=lambda found: found[1])
         if size > top:

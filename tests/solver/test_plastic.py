@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from duhamel.solver import (
     Contact,
     ElastoplasticLaw,

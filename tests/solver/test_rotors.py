@@ -224,14 +224,14 @@ def test_floquet_multipliers_of_oscillators_that_are_faster_than_the_spin(ratio,
     expected = np.exp(-2.0 * np.pi * zeta * ratio)
     assert (np.abs(found / expected - 1.0) < 1e-6).sum() >= 4
     # Free motions, which are chains of one eigenvalue, are rounded to a root.
-    assert found.max() < 1.0 + 1e-5
+    assert found.max() < 1.0 + 2e-6
 
 
 def test_fast_modes_that_the_bearings_change_do_not_grow():
     """Steps of 512 in a turn are in resonance with modes of 256 times the spin."""
     found = floquet(hub_rotor(stiffness=[4e5, 8e5]), 0.7).multipliers
-    assert np.abs(found).max() < 1.0 + 1e-5
-    with pytest.raises(ModelError, match="a mode at 2.* rad/s is hardly damped and needs"):
+    assert np.abs(found).max() < 1.0 + 1e-7
+    with pytest.raises(ModelError, match="is hardly damped and needs 355431 steps"):
         floquet(hub_rotor(stiffness=[4e5, 8e5]), 0.01)
 
 
