@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 from duhamel.solver import (
     Contact,
     ElastoplasticLaw,
@@ -30,6 +29,7 @@ from duhamel.solver import (
     write_model,
 )
 from duhamel.solver.laws.plastic_contact import PlasticContactLaw
+from scipy.optimize import brentq
 
 from .test_laws import Path
 from .test_restart import assert_same
