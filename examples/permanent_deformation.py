@@ -108,7 +108,8 @@ def loss(amplitude: float) -> float:
         m.ground, plate, "x", name="rail", distance=du.signals.Harmonic(amplitude, 1.0)
     )
     m.add(rail)
-    m.add(du.springs.point(m.ground.frame("base"), plate, law=BOLT), name="bolt")
+    base = m.ground.frame("base", [1.0, 0.0, 0.0])
+    m.add(du.springs.bushing(base, plate, law={"x": BOLT}), name="bolt")
     results = m.simulate(float(CYCLES), step=1.0 / STEPS_PER_CYCLE).results
     bolt = results.spring("bolt")
     force, length = bolt.multipliers[:, 0], bolt.coordinates["coordinates"][:, 0]

@@ -347,7 +347,8 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
         sparse=True,
         since=11,
     )
-    """(n, k) plastic deformation of each component [m, rad]; not in files before version 11"""
+    """(n, k) plastic deformation of each component, or mean slip of a bolted joint [m, rad]; not in
+    files before version 11"""
 
 
 class CouplerMotion(Recorded, group="couplers", owner="coupler"):

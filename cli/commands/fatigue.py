@@ -25,9 +25,7 @@ Histories = Annotated[
 ]
 StressedBodies = Annotated[
     list[str] | None,
-    typer.Option(
-        "--body", metavar="NAME", help="StressedBodies with stresses, of which all points count."
-    ),
+    typer.Option("--body", metavar="NAME", help="Bodies with stresses, of which all points count."),
 ]
 KneeAmplitude = Annotated[
     float, typer.Option("--limit", metavar="PA", help="The amplitude at the knee.")

@@ -37,7 +37,10 @@ def unbalance(
     from ..linear_report import peak_lines, unbalance_picture, unbalance_rows
 
     target = output or beside(model_file, ".png", "unbalance")
-    given = dict(map(_parsed, at))
+    given: dict[str, complex] = {}
+    for name, value in map(_parsed, at):
+        # Several masses on one disk act as one.
+        given[name] = given.get(name, 0.0) + value
     spins = spins_of(spin)
     with errors_in_one_line(files, solver, superelement, view):
         files.require_no_input(target, [model_file], "the model file")

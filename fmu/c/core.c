@@ -233,7 +233,10 @@ static int newton_fails(Core *core, int64_t step, double time, double residual) 
     const int64_t *compliant = (const int64_t *)(core->constant + number(core, PLACE_OF_COMPLIANT));
     int64_t worst = -1;
     for (int64_t i = 0; i < number(core, N_ROWS); i++)
-        if (!compliant[i] && !(fabs(phi[i]) <= (worst < 0 ? 0.0 : fabs(phi[worst])))) worst = i;
+        /* Where the residual is no number, most rows have none that tells anything. */
+        if (!compliant[i] && isfinite(phi[i]) &&
+            fabs(phi[i]) > (worst < 0 ? 0.0 : fabs(phi[worst])))
+            worst = i;
     return core_fails(core, "Newton's method failed at t = %.9g s (step %lld): residual %.3g, "
                       "tolerance %.3g%s%s", time, (long long)step, residual, real(core, TOLERANCE),
                       worst < 0 ? "" : "; farthest open: ",

@@ -106,6 +106,9 @@ class Impact(Entry):
             self._check_yield()
         elif self.post_yield is not None:
             raise self.error("post_yield: expected with yield_force, found no yield_force")
+        # Contacts of Hertz, which yield at a pressure, are checked where that is known.
+        elif self.spot == "new" and (self.stiffness is not None or self.law is not None):
+            raise self.error("spot: expected with yield_force, found no yield_force")
 
     def check_plastic(self, key: str) -> None:
         """`ModelError` for losses beside those of a contact that yields by a key."""

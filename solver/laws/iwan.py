@@ -13,7 +13,8 @@ from .law import Evaluation, ForceLaw, force_law
 SMALLEST_SLIP = 1e-4
 """deformation at which the first element slips, over that of macro-slip"""
 
-Chi = Annotated[float, number("a number above -1, up to 10", float, lambda chi: -1.0 < chi <= 10.0)]
+# Nearer to -1 nearly all elements slip at once, and the ranges of floats end.
+Chi = Annotated[float, number("a number from -0.99 to 10", float, lambda chi: -0.99 <= chi <= 10.0)]
 Elements = Annotated[int, number("a number from 2 to 1000", int, lambda n: 2 <= n <= 1000)]
 
 
@@ -28,7 +29,8 @@ class IwanLaw(ForceLaw):
     slips as a whole at `slip_force`. Unloading and reloading obey Masing's rule. A cycle of the
     amplitude u < phi_max dissipates 4 R u^(chi + 3) / ((chi + 2) (chi + 3)). The distribution is
     divided into elements; amplitudes below 1e-4 phi_max dissipate nothing. The elements store
-    their elastic energy.
+    their elastic energy. Permanent is c - f / stiffness, the mean position of the sliders weighted
+    by stiffness: where the force would vanish if none slipped back.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ class IwanLaw(ForceLaw):
     stiffness : float [N/m, N m/rad]
         That of small deformations.
     chi : float
-        The loss per cycle grows with the amplitude to the power chi + 3: above -1; measured
+        The loss per cycle grows with the amplitude to the power chi + 3: -0.99 or more; measured
         joints have -0.8 to 0.
     beta : float
         S over the integral of R phi^chi: 0 (macro-slip begins smoothly) or more (with a corner).
@@ -105,6 +107,15 @@ class IwanLaw(ForceLaw):
             # A slider that sticks stays to the bit.
             if abs(e) >= parameters[m]:
                 memory[m] = c - e
+
+    @staticmethod
+    def permanent(parameters: Array, memory: Array, c: float) -> float:
+        n = len(memory)
+        moved, stiffness = 0.0, 0.0
+        for m in range(n):
+            moved += parameters[n + m] * memory[m]
+            stiffness += parameters[n + m]
+        return moved / stiffness
 
 
 @compiled

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...files.progress import Progress, Work
 from ..arrays import Array
+from ..couplings.joint import basis_about
 from ..errors import ModelError, about
 from ..model.model import Model
 from ..model.settings import SteadyRotation
@@ -287,7 +288,7 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     all points, whose turning about the axis and motion along it counts: torsion does not whirl.
     """
     size, axis = pose.system.bodies.size, pose.angular_velocity / pose.speed
-    first, second = across(axis)
+    first, second, _ = basis_about(axis, np.eye(3)).T
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
     near = off <= ON_AXIS * size
@@ -296,11 +297,3 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     y, z = np.einsum("nck,c->nk", moved, first), np.einsum("nck,c->nk", moved, second)
     everything = np.concatenate([motion.translations, size * motion.rotations])
     return y + 1j * z, y - 1j * z, _square(everything.reshape(-1, everything.shape[2]))
-
-
-def across(axis: Array) -> tuple[Array, Array]:
-    """Two axes across, in the sense of a rotation about it."""
-    # The coordinate axis that is farthest from parallel to it.
-    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)

@@ -1,15 +1,16 @@
 """Floquet multipliers: the stability of rotors that are not alike all round, on any bearings.
 
 In axes that turn with the rotor x' = A(psi) x has the period of a turn, T = 2 pi / Omega. Over it
-every motion is multiplied by the matrix Phi, and grows where an eigenvalue of it is beyond 1. With
-M = (A - sigma)^-1 at the middle of a step, of which A itself would drown slow motions,
+every motion is multiplied by the matrix Phi, and grows where an eigenvalue of it is beyond 1. A
+step is exp(h A) with A at its middle, of second order in the change of A. With M = (A - sigma)^-1,
+of which A itself would drown slow motions, exp(h A) = (N(-k)^-1 N(k))^(h / k) with
 
-    x(t + h) = N(-h)^-1 N(h) x,   N(h) = (1 + h sigma/2 + h^2 sigma^2/12) M^2
-                                         + (h/2 + h^2 sigma/6) M + h^2/12
+    N(k) = (1 + k sigma/2 + k^2 sigma^2/12) M^2 + (k/2 + k^2 sigma/6) M + k^2/12
 
-a step of fourth order for constant A that no fast mode makes unstable. Two numbers of steps remove
-the error of second order of a changing A. M is a trigonometric sum between some angles. Source:
-docs/theory.md, Rotors.
+Two numbers of steps remove the error of second order. Both have the same parts k, so that they
+agree for a constant A, whatever its modes: extrapolation of motions that differ in their phase
+alone would make them grow. M is a trigonometric sum between some angles. Source: docs/theory.md,
+Rotors.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,13 @@ from .steady import turned
 
 # A turn in so many angles: of unequal bearings (twice a turn) eight orders remain.
 SAMPLED_ANGLES = 32
-STEPS_PER_TURN = 512
+# of the coarse steps of a turn, to which there are twice as many fine ones
+MIN_STEPS, MAX_STEPS = 256, 2**14
+# of omega h of the fastest mode: at pi the jumps of A between steps are in resonance with it
+MAX_PHASE_OF_STEP = 0.5
+# per turn in logarithms, beyond which jumps cannot make a mode grow
+LASTING_DECAY = 10.0
+PARTS_OF_FINE_STEP = 4
 # relative, of the last order of the sum over angles
 NEGLIGIBLE_ORDER = 1e-7
 # relative, of the basis that the constraints leave, by a turn
@@ -77,7 +84,8 @@ def floquet(model: Model, spin: float) -> Floquet:
     ------
     ModelError
         For a rotor without a steady rotation at all angles, such as one whose center is off the
-        axis, and a spin beyond the table of a bearing.
+        axis, a bearing whose support is not the ground, a spin beyond the table of a bearing, and
+        undamped modes that are thousands of times faster than the spin.
 
     Examples
     --------
@@ -95,9 +103,9 @@ def floquet(model: Model, spin: float) -> Floquet:
     with about(model.path), one_blas_thread():
         model, rotation = prepared_rotor(model, spin)
         orders = _orders(equations_of(pose_of(model, rotation)))
-        coarse, fine = (
-            _over_a_turn(orders, spin, n) for n in (STEPS_PER_TURN // 2, STEPS_PER_TURN)
-        )
+        n = _number_of_steps(orders, spin)
+        coarse = _over_a_turn(orders, spin, n, 2 * PARTS_OF_FINE_STEP)
+        fine = _over_a_turn(orders, spin, 2 * n, PARTS_OF_FINE_STEP)
         multipliers = np.linalg.eigvals((4.0 * fine - coarse) / 3.0).astype(np.complex128)
     return Floquet(spin, multipliers[np.argsort(-np.abs(multipliers))])
 
@@ -152,9 +160,28 @@ def _in_basis(form: FirstOrder, first: FirstOrder) -> Array:
     return matrix
 
 
-def _over_a_turn(orders: _Orders, spin: float, n: int) -> Array:
-    """What a turn in n steps makes of all states (n_x, n_x)."""
-    h, s = 2.0 * np.pi / (spin * n), orders.sigma
+def _number_of_steps(orders: _Orders, spin: float) -> int:
+    """Coarse steps of a turn that resolve all modes that last for one; ModelError for too many."""
+    turn = 2.0 * np.pi / spin
+    inverse = np.linalg.eigvals(orders.at(0.0))
+    # What constraints leave no motion has no eigenvalue but at infinity.
+    values = orders.sigma + 1.0 / inverse[np.abs(inverse) > 0.0]
+    lasting = np.abs(values[-values.real * turn < LASTING_DECAY].imag)
+    fastest = float(lasting.max(initial=0.0))
+    n = int(np.ceil(fastest * turn / MAX_PHASE_OF_STEP))
+    if n > MAX_STEPS:
+        least = 2.0 * np.pi * fastest / (MAX_PHASE_OF_STEP * MAX_STEPS)
+        raise ModelError(
+            f"rotor at {spin:.6g} rad/s: a mode at {fastest:.6g} rad/s is hardly damped and needs "
+            f"{n} steps in a turn: expected at most {MAX_STEPS}, as from {least:.6g} rad/s on, or "
+            "damping"
+        )
+    return max(n, MIN_STEPS)
+
+
+def _over_a_turn(orders: _Orders, spin: float, n: int, parts: int) -> Array:
+    """What a turn in n steps of some parts makes of all states (n_x, n_x)."""
+    part, s = 2.0 * np.pi / (spin * n * parts), orders.sigma
     x: Array = np.eye(orders.values.shape[1])
     for k in range(n):
         M = orders.at(2.0 * np.pi * (k + 0.5) / n)
@@ -163,7 +190,8 @@ def _over_a_turn(orders: _Orders, spin: float, n: int) -> Array:
             (1.0 + t * s / 2.0 + (t * s) ** 2 / 12.0) * square
             + (t / 2.0 + t * t * s / 6.0) * M
             + t * t / 12.0 * np.eye(len(M))
-            for t in (h, -h)
+            for t in (part, -part)
         )
-        x = np.asarray(np.linalg.solve(behind, ahead @ x), dtype=np.float64)
+        step = np.linalg.solve(behind, ahead)
+        x = np.asarray(np.linalg.matrix_power(step, parts) @ x, dtype=np.float64)
     return x

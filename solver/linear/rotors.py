@@ -230,8 +230,8 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
     Raises
     ------
     ModelError
-        For a rotor that is not alike all round its axis, a spin beyond the table of a bearing, and
-        what `linearize` refuses.
+        For a rotor that is not alike all round its axis, a bearing whose support is not the ground,
+        a spin beyond the table of a bearing, and what `linearize` refuses.
 
     Examples
     --------
@@ -257,6 +257,12 @@ def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
         raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
     axes = rotor_axes(model)
     for bearing in model.bearings:
+        # All bodies turn as one: a support with a mass would spin with the shaft.
+        if bearing.between[0].partition(".")[0] != GROUND:
+            raise bearing.error(
+                "between: expected a support on the ground, which linear analyses of rotors need, "
+                f"got {bearing.between[0]!r}: runs take others"
+            )
         along = float(bearing.axis @ axes.axis)
         if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
             raise bearing.error(

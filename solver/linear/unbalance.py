@@ -8,7 +8,7 @@ which turns with the rotor. The answer is synchronous, Re(x exp(i Omega t)): eve
 shaft moves on an ellipse. Source: docs/theory.md, Rotors.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,10 +20,17 @@ from ..errors import ModelError, about
 from ..model.model import Model
 from .inputs import channels, forcing, with_loads
 from .modes import Complex
+from .motion import Motion
 from .rotors import rotor_at, rotor_axes
 
 # relative, of a peak over both its neighbors
 LEAST_PEAK = 1e-9
+# relative, of the size of a peak from one solution to the next
+PEAK_TOLERANCE = 1e-4
+# of a peak, after which nothing limits it
+MAX_SOLUTIONS = 40
+# of the wider side of a bracket: a spin that counts as solved, and another one in its place
+NEAREST, CUT = 1e-6, 0.38
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,40 +46,89 @@ class UnbalanceResponse:
         Amplitudes along e_1 and e_2, fixed in space, of Re(x exp(i Omega t)).
     axes : (2, 3)
         e_1 and e_2 in space: e_1 of the first bearing, and with the axis right-handed.
+    at : function
+        The motion (n_names, 2) at any other spin [rad/s].
     """
 
     spins: Array
     names: tuple[str, ...]
     motion: Complex
     axes: Array
+    at: Callable[[float], Complex]
 
     def amplitude(self, name: str) -> Array:
         """The long semiaxis of the orbit of a point over the spin (n,) [m]."""
-        forward, backward = self.circles(name)
-        return np.abs(forward) + np.abs(backward)
+        return _long_semiaxis(*self._along(name))
 
     def circles(self, name: str) -> tuple[Complex, Complex]:
         """Amplitudes (n,) [m] of the circles with the spin and against it, which make the orbit."""
+        y, z = self._along(name)
+        return 0.5 * (y + 1j * z), 0.5 * np.conj(y - 1j * z)
+
+    def _along(self, name: str) -> Complex:
+        """The motion of a point along e_1 and e_2 (2, n)."""
         if name not in self.names:
             known = ", ".join(self.names)
             raise ModelError(f"unbalance: no point {name!r}; there are: {known}")
-        y, z = self.motion[:, self.names.index(name)].T
-        return 0.5 * (y + 1j * z), 0.5 * np.conj(y - 1j * z)
+        return self.motion[:, self.names.index(name)].T
 
     def peaks(self, name: str) -> list[tuple[float, float]]:
         """Spins [rad/s] at which the orbit of a point is largest, and how large it is there [m].
 
-        By a parabola through the highest of the spins and its neighbors.
+        Those between the spins: the response is solved at more spins beside each until its size
+        changes by less than 1e-4. inf where nothing damps it.
         """
         size, spins = self.amplitude(name), self.spins
+        number = self.names.index(name)
+
+        def amplitude(spin: float) -> float:
+            return float(_long_semiaxis(*self.at(spin)[number]))
+
         found = []
         for k in range(1, len(size) - 1):
             before, top, after = size[k - 1 : k + 2]
             if top <= before * (1.0 + LEAST_PEAK) or top < after:
                 continue
-            a, b, c = np.polyfit(spins[k - 1 : k + 2] - spins[k], size[k - 1 : k + 2], 2)
-            found.append((float(spins[k] - 0.5 * b / a), float(c - 0.25 * b * b / a)))
+            found.append(_peak(amplitude, spins[k - 1 : k + 2].tolist(), [before, top, after]))
         return found
+
+
+def _long_semiaxis(y: Complex, z: Complex) -> Array:
+    size: Array = 0.5 * (np.abs(y + 1j * z) + np.abs(y - 1j * z))
+    return size
+
+
+def _peak(
+    amplitude: Callable[[float], float], spins: list[float], sizes: list[float]
+) -> tuple[float, float]:
+    """The spin of the largest size, and the size; the middle one of three spins has the largest."""
+    for _ in range(MAX_SOLUTIONS):
+        (low, middle, high), top = spins, sizes[1]
+        # About a resonance 1 / size^2 is a parabola, however narrow the peak is beside the spins.
+        inverse = (top / np.maximum(sizes, LEAST_PEAK * top)) ** 2
+        a, b, c = np.polyfit(np.subtract(spins, middle), inverse, 2).tolist()
+        spin = middle - 0.5 * b / a if a > 0.0 else middle
+        wider = max(high - middle, low - middle, key=abs)
+        if not low < spin < high or abs(spin - middle) < NEAREST * abs(wider):
+            spin = middle + CUT * wider
+        try:
+            size = amplitude(spin)
+        except ModelError:
+            return spin, np.inf  # it resonates without damping
+        away = spin - middle
+        foreseen = (a * away**2 + b * away + c) * (size / top) ** 2
+        # That it foresees what had not been solved shows that the parabola is that of the peak.
+        if abs(foreseen - 1.0) < 2.0 * PEAK_TOLERANCE:
+            return max((spin, size), (middle, top), key=lambda found: found[1])
+        if size > top:
+            spins = [middle, spin, high] if away > 0.0 else [low, spin, middle]
+            sizes = [top, size, sizes[2]] if away > 0.0 else [sizes[0], size, top]
+        else:
+            spins = [low, middle, spin] if away > 0.0 else [spin, middle, high]
+            sizes = [sizes[0], top, size] if away > 0.0 else [size, top, sizes[2]]
+        if not spins[0] < spins[1] < spins[2]:
+            break
+    return spins[1], np.inf
 
 
 def unbalance_response(
@@ -133,17 +189,27 @@ def unbalance_response(
     # e_1 - i e_2: a force along e_1 now is along e_2 a quarter turn later.
     turning = axes[0] - 1j * axes[1]
     columns = np.concatenate([complex(u) * turning for u in unbalance.values()])
+
+    def motion_at(spin: float) -> Motion:
+        linear = rotor_at(loaded, spin)
+        with one_blas_thread(), about(model.path):
+            form, pose = linear.first_order, linear.equations.pose
+            forced = form.forced(forcing(pose, channels(model, pose.lowered, inputs)))
+            state = form.synchronous(forced @ (spin**2 * columns)[:, None])
+            return linear.motion(form.split(state)[0])
+
+    def across(motion: Motion) -> Complex:
+        along: Complex = np.einsum("nck,ac->na", motion.translations, axes)
+        return along
+
     names: tuple[str, ...] = ()
     rows = []
     with Progress(Work("unbalance response", len(speeds), "speeds"), shown=progress) as work:
         for spin in speeds.tolist():
-            linear = rotor_at(loaded, spin)
-            with one_blas_thread(), about(model.path):
-                form, pose = linear.first_order, linear.equations.pose
-                forced = form.forced(forcing(pose, channels(model, pose.lowered, inputs)))
-                state = form.synchronous(forced @ (spin**2 * columns)[:, None])
-                motion = linear.motion(form.split(state)[0])
+            motion = motion_at(spin)
             names = motion.names
-            rows.append(np.einsum("nck,ac->na", motion.translations, axes))
+            rows.append(across(motion))
             work.advance()
-    return UnbalanceResponse(speeds, names, np.array(rows), axes)
+    return UnbalanceResponse(
+        speeds, names, np.array(rows), axes, lambda spin: across(motion_at(spin))
+    )

@@ -33,6 +33,7 @@ from .assembly import follow_turns
 from .pressed import change_sides, follow_loads_at_rest, rounding_of_surfaces, without_speeds
 from .residuals import NO_FORCE, largest_forces, relative_residuals
 from .servos import Holding
+from .spins import check_spins
 from .steady import SteadyMotion
 from .steady_checks import check_steady
 from .unbalanced import causes, free_groups
@@ -80,6 +81,7 @@ def solve_equilibrium(
     accelerations of the rotation. Returns the system that is at rest, with static compliances.
     """
     search = _Search(lowered, motion, state, work)
+    check_spins(lowered, work)
     if reason := search.find():
         # the more specific message, as of a damper that cannot turn
         check_steady(lowered, motion, state, work)

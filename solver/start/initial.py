@@ -38,6 +38,7 @@ from .penetration import check_depths, check_depths_of_surfaces, penetrations
 from .redundancy import count_degrees_of_freedom, redundant_rows
 from .removed import RemovedRows
 from .servos import check_holding, set_poles
+from .spins import check_spins
 from .steady import SteadyMotion, continuous_motion, steady_motion
 from .steady_checks import check_drives, check_steady
 
@@ -132,6 +133,8 @@ def initialize(
         check_depths(lowered, work)
         # Velocities after positions: the Jacobian is that of closed joints.
         correction = fit_velocities(lowered, state, work, _targets(lowered, "_rate"))
+        evaluate(lowered.system, state, work)
+        check_spins(lowered, work)
         _start_unloaded(lowered, state, work)
         closed = (
             *penetrations(lowered, state, work),

@@ -154,6 +154,12 @@ def test_rotors_on_bearings_by_commands(runner, tmp_path):
     # u Omega^2 / (k - m Omega^2 + i Omega c ...), a quarter turn ahead
     expected = 2e-3 * 50.0**2 / abs(2e4 - 2.0 * 50.0**2 + 1j * 50.0 * 4.0 - 1j * 50.0)
     assert float(line["disk long semiaxis [m]"]) == pytest.approx(expected, rel=1e-9)
+    # Two of the size at 30 and 150 degrees are one at 90 degrees.
+    both = ("--at", "disk=2e-3@30", "--at", "disk=2e-3@150", "--spin", 50, 60, 2, "-o", rows)
+    run(runner, "unbalance", file, *both)
+    with rows.open(newline="") as opened:
+        line = next(csv.DictReader(opened))
+    assert float(line["disk long semiaxis [m]"]) == pytest.approx(expected, rel=1e-9)
     assert (
         "--at" in run(runner, "unbalance", file, "--at", "disk", "--spin", 0, 9, 3, code=2).stderr
     )

@@ -13,7 +13,9 @@ from duhamel.solver import (
     RigidBody,
     Settings,
     Start,
+    SteadyRotation,
     Torque,
+    linearize,
     read_model,
     simulate,
     write_model,
@@ -79,6 +81,17 @@ def test_a_run_stops_where_the_spin_leaves_the_table():
     turning = Torque("disk", [0.0, 0.0, 1.0], Constant(100.0))
     with pytest.raises(ConvergenceError, match=r"bearing 'film': its spin of 60.* from 0 to 60"):
         simulate(spinning(table, loads=[turning]))
+
+
+@pytest.mark.parametrize("spin", [0.0, 950.0])
+def test_a_spin_at_the_start_that_the_table_does_not_have_is_refused(spin):
+    table = plane([[1e5, 0.0, 0.0, 1e5]] * 2, 0.0, speeds=[100.0, 900.0])
+    message = f"bearing 'film': speeds: {spin:g} rad/s is beyond its table, from 100 to 900"
+    with pytest.raises(ModelError, match=message):
+        simulate(spinning(table, spin))
+    rotation = SteadyRotation([0.0, 0.0, spin]) if spin else None
+    with pytest.raises(ModelError, match=message):
+        linearize(spinning(table), rotation)
 
 
 def test_bearings_read_back_as_they_were_written(tmp_path):

@@ -29,6 +29,7 @@ from duhamel.solver import (
     write_model,
 )
 from duhamel.solver.laws.plastic_contact import PlasticContactLaw
+from scipy.optimize import brentq
 
 from .test_laws import Path
 from .test_restart import assert_same
@@ -255,6 +256,17 @@ def test_a_bolted_joint_obeys_masing_and_slips_at_its_force():
         assert path.at((0.7 - back) * last)[0] == pytest.approx(unloading, rel=1e-9)
 
 
+def test_what_is_permanent_of_a_bolted_joint_is_where_it_comes_to_rest():
+    path, last = Path(BOLT), BOLT.macro_slip
+    path.step(5.0 * last)
+    permanent = BOLT.permanent(path.parameters, path.memory, path.c)
+    rest = brentq(lambda c: path.at(c)[0], 0.0, 5.0 * last)
+    assert rest > 3.0 * last
+    assert permanent == pytest.approx(rest, rel=0.05)
+    path.step(rest)
+    assert BOLT.permanent(path.parameters, path.memory, rest) == pytest.approx(rest, rel=1e-9)
+
+
 def test_a_run_with_permanent_deformations_goes_on_to_the_bit(tmp_path):
     laws = (ElastoplasticLaw(5.0, 900.0, 0.1, 0.5), IwanLaw(6.0, 900.0))
     driven = [Torque("wheel", [0, 0, 1], Harmonic(40.0, 3.0))]
@@ -301,6 +313,7 @@ REFUSED = {
     "damping: expected none with yield_force": {"yield_force": 1.0, "damping": 0.5},
     "yield_force: expected with post_yield below 1, or an exponent above 1": {"yield_force": 1.0},
     "post_yield: expected with yield_force": {"post_yield": 0.5},
+    "spot: expected with yield_force": {"spot": "new"},
     "post_yield: expected a number above 0": {"yield_force": 1.0, "post_yield": 0.0},
     "spot: expected 'same' or 'new'": {"yield_force": 1.0, "spot": "other"},
 }
@@ -321,7 +334,7 @@ def test_hertz_that_yields_takes_neither_patches_nor_restitution():
         Impact(yield_force=1.0)
     with pytest.raises(ModelError, match="yield_pressure: expected a positive number"):
         Hertz([E, E], [NU, NU], yield_pressure=-1.0)
-    for given in ({"chi": -1.0}, {"beta": -0.1}, {"elements": 1}):
+    for given in ({"chi": -0.9999999999999999}, {"beta": -0.1}, {"elements": 1}):
         with pytest.raises(ModelError, match=f"{next(iter(given))}: expected a number"):
             IwanLaw(1.0, 1.0, **given)
     with pytest.raises(ModelError, match="post_yield: expected a number from 0 to less than 1"):

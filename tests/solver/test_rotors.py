@@ -4,6 +4,8 @@ The references of ROSS are those of ross-rotordynamics 2.3.0 for the rotor of Fr
 (2010), example 5.9.1: six Timoshenko elements, two disks, bearings at the ends; rad/s and m.
 """
 
+from dataclasses import replace
+
 import duhamel as du
 import numpy as np
 import pytest
@@ -120,6 +122,18 @@ def test_the_largest_orbit_is_found_between_the_speeds_of_a_sweep():
     assert size == pytest.approx(u / MASS / (2.0 * zeta * np.sqrt(1.0 - zeta**2)), rel=1e-3)
 
 
+@pytest.mark.parametrize("zeta", [5e-3, 1e-6, 0.0])
+def test_a_peak_between_spins_far_apart_has_its_size(zeta):
+    """At 198.7 rad/s between spins 5 rad/s apart."""
+    omega, u = 198.7, 1e-3
+    model = hub_rotor(stiffness=MASS * omega**2, damping=2.0 * zeta * MASS * omega)
+    response = unbalance_response(model, {"disk": u}, np.arange(150.0, 251.0, 5.0).tolist())
+    ((spin, size),) = response.peaks("disk")
+    assert spin == pytest.approx(omega / np.sqrt(1.0 - 2.0 * zeta**2), rel=1e-5)
+    exact = u / MASS / (2.0 * zeta * np.sqrt(1.0 - zeta**2)) if zeta else np.inf
+    assert size == pytest.approx(exact, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("unbalance", "spin", "message"),
     [
@@ -200,6 +214,27 @@ def test_floquet_multipliers_of_a_rotor_of_unequal_inertia_on_unequal_bearings(s
         assert np.abs(found - value).min() < 1e-6 * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("zeta", [0.0, 5e-4])
+@pytest.mark.parametrize("ratio", [1.0, 60.0, 200.0])
+def test_floquet_multipliers_of_oscillators_that_are_faster_than_the_spin(ratio, zeta):
+    omega = 200.0
+    spin = omega / ratio
+    model = hub_rotor(stiffness=MASS * omega**2, damping=2.0 * zeta * MASS * omega)
+    found = np.abs(floquet(model, spin).multipliers)
+    expected = np.exp(-2.0 * np.pi * zeta * ratio)
+    assert (np.abs(found / expected - 1.0) < 1e-6).sum() >= 4
+    # Free motions, which are chains of one eigenvalue, are rounded to a root.
+    assert found.max() < 1.0 + 2e-6
+
+
+def test_fast_modes_that_the_bearings_change_do_not_grow():
+    """Steps of 512 in a turn are in resonance with modes of 256 times the spin."""
+    found = floquet(hub_rotor(stiffness=[4e5, 8e5]), 0.7).multipliers
+    assert np.abs(found).max() < 1.0 + 1e-7
+    with pytest.raises(ModelError, match="is hardly damped and needs 355431 steps"):
+        floquet(hub_rotor(stiffness=[4e5, 8e5]), 0.01)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -216,6 +251,16 @@ def test_what_rotors_refuse(change, message):
         model = model.with_settings(start="equilibrium", steady_rotation=rotation)
     with pytest.raises(ModelError, match=message):
         rotor_at(model, 50.0)
+
+
+def test_a_bearing_to_a_housing_is_refused_which_would_spin_with_the_shaft():
+    model = hub_rotor(stiffness=1e5)
+    inner = Bearing("inner", ["housing", "disk"], [0.0, 0.0, 1.0], 1e5)
+    bodies = {**model.bodies, "housing": RigidBody(5.0, [0.1, 0.1, 0.2])}
+    model = replace(model, bodies=bodies, bearings=[*model.bearings, inner])
+    for analysis in (rotor_at, floquet):
+        with pytest.raises(ModelError, match="'inner': between: expected a support on the ground"):
+            analysis(model, 50.0)
 
 
 @pytest.fixture(scope="module")
