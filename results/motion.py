@@ -341,7 +341,7 @@ class SpringMotion(Coupling, group="springs", owner="spring", plot="{}"):
     )
     permanent: Array = quantity(
         ("m", "rad"),
-        "plastic deformation of each component",
+        "plastic deformation of each component, or mean slip of a bolted joint",
         of="spring_component",
         source="permanent",
         sparse=True,
