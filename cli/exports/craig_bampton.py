@@ -24,15 +24,15 @@ FILE_ENDINGS = ("-reduced.npz", "-reduced.op4", "-reduced.pch", "-reduced.bdf")
 def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
     import numpy as np
 
-    from ...preprocess.given.reduced_files import (
+    from ...results.exports.folder import exported
+    from ...superelement.craig_bampton import in_craig_bampton_form
+    from ...superelement.reduced_files import (
         ReducedModel,
         write_arrays,
         write_deck,
         write_dmig,
         write_op4,
     )
-    from ...results.exports.folder import exported
-    from ...superelement.craig_bampton import in_craig_bampton_form
 
     # Other codes have the points where the mesh has them.
     reduced = in_craig_bampton_form(e)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...cad.reading import CAD_SUFFIXES
 from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning, about
@@ -31,14 +32,13 @@ _READERS = {
     **dict.fromkeys(_XDMF, xdmf.read),
 }
 """By suffix; meshio reads what is not here."""
-_BY_GMSH = (".step", ".stp", ".iges", ".igs", ".brep")
 _OF_CAD = (
     *(".sldprt", ".sldasm", ".catpart", ".catproduct", ".prt", ".ipt", ".iam", ".par"),
     *(".x_t", ".x_b", ".sat", ".jt", ".3dm", ".f3d", ".fcstd"),
 )
 _NO_MESH = {
     **dict.fromkeys(
-        _BY_GMSH,
+        CAD_SUFFIXES,
         "is geometry, no mesh: name it in a body file or by du.Part.from_step, with the size of "
         "elements",
     ),

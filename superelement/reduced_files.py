@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...superelement.validation import Array
-from ..mesh.mesh import IntArray
+from .validation import Array
 
 DOFS_PER_POINT = 6
 SMALLEST_ENTRY = 1e-99  # an exponent of two digits is what a field of 16 letters holds
@@ -34,13 +34,13 @@ class ReducedModel:
     frequencies: Array
 
     @property
-    def modal_labels(self) -> IntArray:
+    def modal_labels(self) -> NDArray[np.int64]:
         """Labels of the modal coordinates, above those of the points."""
         first = 1000 * (1 + len(self.points) // 1000)
         return first + np.arange(1, len(self.frequencies) + 1)
 
     @property
-    def dofs(self) -> IntArray:
+    def dofs(self) -> NDArray[np.int64]:
         """Label and direction (n_u, 2) of every row, 0 of modal coordinates."""
         of_points = [
             (label, direction)
@@ -88,7 +88,7 @@ def write_op4(model: ReducedModel, names: Mapping[str, str], path: Path) -> None
             file.write(_record(np.array([n + 1, 1, 2], dtype="<i4").tobytes() + b"\0" * 8))
 
 
-def _places(model: ReducedModel) -> IntArray:
+def _places(model: ReducedModel) -> NDArray[np.int64]:
     """The row (n_u,) of every dof among six of each point and the modal coordinates."""
     dofs = model.dofs
     of_points = DOFS_PER_POINT * (dofs[:, 0] - 1) + dofs[:, 1] - 1
@@ -109,7 +109,7 @@ def write_dmig(model: ReducedModel, names: Mapping[str, str], path: Path) -> Non
             file.writelines(_dmig(names[role], matrix, model.dofs))
 
 
-def _dmig(name: str, matrix: Array, dofs: IntArray) -> Iterator[str]:
+def _dmig(name: str, matrix: Array, dofs: NDArray[np.int64]) -> Iterator[str]:
     yield f"DMIG    {name:8}{0:8d}{_SYMMETRIC:8d}{_DOUBLE:8d}{0:8d}\n"
     for j, (label, direction) in enumerate(dofs.tolist()):
         # Of a symmetric matrix Nastran must not get an entry twice.
