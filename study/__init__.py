@@ -2,7 +2,8 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
-from .fit import FittedParameter, ModelFit, fit
+from .fit import fit
+from .model_fit import FittedParameter, ModelFit
 from .sensitivity import Sensitivities, SeriesDerivative, sensitivities, sensitivities_of
 from .study_file import Study, read_study, study_schema
 from .summary import Row, Summary, read_summary

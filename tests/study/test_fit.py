@@ -260,7 +260,7 @@ def test_two_samples_do_not_tell_three_parameters(bench):
 def test_a_search_that_has_not_ended_is_told(bench, monkeypatch):
     monkeypatch.setattr(import_module("duhamel.study.fit"), "MOST_SEARCH_STEPS", 2)
     assert list(fit(bench / "study.toml").notes) == [
-        "the search has not ended after 2 steps: begin nearer"
+        "the search has not ended: begin nearer, or fix parameters"
     ]
 
 

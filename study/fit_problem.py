@@ -1,0 +1,162 @@
+"""The residuals of a fit and their derivatives, by runs of its model."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..files.arrays import Array
+from ..results import Results
+from ..solver import simulate
+from .covariance import covariance_of
+from .errors import StudyError
+from .measured_series import MeasuredSeries
+from .model_fit import FittedParameter, ModelFit
+from .one_model import StudyParameter
+from .outputs import sampled_over
+from .parametrized import Parametrized
+from .runs import runs_at
+from .search_axis import SHIFT_NAME, SearchAxis
+
+TIME_ROUNDING = 1e-9
+"""of times in files, relative to the end of a run"""
+LEAST_SPARE_TIME = 1e-6
+"""of a run, in which series may be shifted"""
+
+
+class FitProblem:
+    """Residuals and their derivatives, as the search asks for them."""
+
+    def __init__(
+        self, family: Parametrized, axes: list[SearchAxis], series: Sequence[MeasuredSeries]
+    ) -> None:
+        self._family, self.axes, self._series = family, axes, series
+        # Without sigma each series by its own size: one in rad must not outweigh one in m.
+        self._weights = [
+            1.0 / (one.sigma or float(np.sqrt(np.mean(one.values**2))) or 1.0) for one in series
+        ]
+        self._n = sum(len(one.time) for one in series)
+        self.runs, self._failure = 0, ""
+        self.has_ended = False
+        self._last: tuple[dict[str, float], Results | Exception] | None = None
+        """values and outcome of the last run"""
+
+    def begin(self, shift: bool) -> None:
+        """Make the run at the start, within which all samples must lie, shifted or not.
+
+        `StudyError` where there is no run at the start, or a series lies beyond it.
+        """
+        values = {axis.name: axis.start for axis in self.axes}
+        results = simulate(self._family.make(values))
+        self._last = values, results
+        low, high = -np.inf, np.inf
+        for one in self._series:
+            time, _ = self._sampled(results, one)
+            end = time[-1] * (1.0 + TIME_ROUNDING)
+            if one.time[0] < time[0] or one.time[-1] > end:
+                raise StudyError(
+                    f"{one.name}: is measured from {one.time[0]:.6g} s to {one.time[-1]:.6g} s, "
+                    f"and the run goes from {time[0]:.6g} s to {time[-1]:.6g} s"
+                )
+            low, high = max(low, one.time[-1] - end), min(high, one.time[0] - time[0])
+        if not shift:
+            return
+        # Beyond, samples would have nothing to be compared with.
+        if not high - low > LEAST_SPARE_TIME * end:
+            raise StudyError(
+                f"fit.{SHIFT_NAME}: expected series that begin after the run, or end before it: "
+                "leave out their first samples, or take a later t_end"
+            )
+        self.axes.append(SearchAxis.of(SHIFT_NAME, StudyParameter(0.0, bounds=(low, high))))
+
+    def residuals(self, inner: Array) -> Array:
+        return self._residuals_of(self._run(self._values(inner)), self._shift(inner))
+
+    def jacobian(self, inner: Array) -> Array:
+        values, columns = self._values(inner), []
+        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
+        ends = [axis.ends(values[axis.name]) for axis in axes]
+        points = [
+            {**values, axis.name: end}
+            for axis, both in zip(axes, ends, strict=True)
+            for end in both
+        ]
+        parts = [self._residuals_of(run, self._shift(inner)) for run in self._runs(points)]
+        for axis, (high, low), ahead, back in zip(axes, ends, parts[::2], parts[1::2], strict=True):
+            columns.append((ahead - back) / (high - low) * axis.slope(values[axis.name]))
+        run = self._run(values)
+        if self.axes[-1].name == SHIFT_NAME and isinstance(run, Results):
+            columns.append(self._by_shift(run, self._shift(inner)) * self.axes[-1].scale)
+        found = np.array(columns).T
+        if not np.isfinite(found).all():
+            raise StudyError(f"the model does not run beside {values}: {self._failure}")
+        return found
+
+    def fit(self, inner: Array, active: Array, converged: bool) -> ModelFit:
+        run = self._run(self._values(inner))
+        residuals, J = self.residuals(inner), self.jacobian(inner)
+        outer = [axis.outer(x) for axis, x in zip(self.axes, inner.tolist(), strict=True)]
+        slopes = np.array([a.slope(x) for a, x in zip(self.axes, outer, strict=True)])
+        # By the parameters themselves, not as the search scales them.
+        found = covariance_of(J / slopes, residuals, noise_is_known=bool(self._series[0].sigma))
+        parameters = tuple(
+            FittedParameter(axis.name, axis.start, value, deviation, bool(at_bound))
+            for axis, value, deviation, at_bound in zip(
+                self.axes, outer, found.deviations.tolist(), active.tolist(), strict=True
+            )
+        )
+        fitted, rms, first = [], [], 0
+        for one, weight in zip(self._series, self._weights, strict=True):
+            own = residuals[first : first + len(one.time)] / weight
+            fitted.append(one.values + own)
+            rms.append(float(np.sqrt(np.mean(own**2))))
+            first += len(one.time)
+        return ModelFit(
+            parameters,
+            found.correlation,
+            found.rank,
+            tuple(self._series),
+            tuple(fitted),
+            np.array(rms),
+            self.runs,
+            converged,
+            tuple(run.validity.brief()) if isinstance(run, Results) else (),
+        )
+
+    def _values(self, inner: Array) -> dict[str, float]:
+        pairs = zip(self.axes, inner.tolist(), strict=True)
+        return {axis.name: axis.outer(x) for axis, x in pairs if axis.name != SHIFT_NAME}
+
+    def _shift(self, inner: Array) -> float:
+        return self.axes[-1].outer(float(inner[-1])) if self.axes[-1].name == SHIFT_NAME else 0.0
+
+    def _residuals_of(self, run: Results | Exception, shift: float) -> Array:
+        """(n,), infinite of a run that failed: the search then takes a shorter step."""
+        if isinstance(run, Exception):
+            self._failure = str(run)
+            return np.full(self._n, np.inf)
+        return np.concatenate(
+            [
+                weight * (np.interp(one.time - shift, *self._sampled(run, one)) - one.values)
+                for one, weight in zip(self._series, self._weights, strict=True)
+            ]
+        )
+
+    def _by_shift(self, run: Results, shift: float) -> Array:
+        columns = []
+        for one, weight in zip(self._series, self._weights, strict=True):
+            time, values = self._sampled(run, one)
+            columns.append(-weight * np.interp(one.time - shift, time, np.gradient(values, time)))
+        return np.concatenate(columns)
+
+    def _sampled(self, run: Results, one: MeasuredSeries) -> tuple[Array, Array]:
+        return sampled_over(run, f"{one.name}.quantity", one.quantity, base="s")
+
+    def _run(self, values: Mapping[str, float]) -> Results | Exception:
+        # The search asks for the residuals, and then for the derivatives there.
+        if self._last is None or self._last[0] != values:
+            self._last = dict(values), self._runs([values])[0]
+        return self._last[1]
+
+    def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
+        self.runs += len(points)
+        return runs_at(self._family, points)
