@@ -35,6 +35,7 @@ from .named_body import NamedBody
 from .selection import InterfaceSelection, Selection, SurfaceSelection
 from .sensors import SensorPoint
 from .shell import Shell
+from .shell_checks import check_shells
 from .values import FilePath, InertiaTensor
 
 
@@ -240,48 +241,8 @@ class Body(NamedBody):
         return whole | {f"shells.{name}": part for name, part in self.shells.items()}
 
     @rule
-    def _shells_of_materials(self) -> None:
-        shells = self.shells_by_key
-        if not shells:
-            return
-        if self.shell is not None and self.shells:
-            raise ValueError("expected one of shell and shells, found both")
-        if self.section is not None or self.sections:
-            raise ValueError(
-                f"{next(iter(shells))}: expected material or materials, found a section of lines"
-            )
-        if self.order != 1:
-            raise ValueError("order: expected 1 of shells, found 2, which is for solids")
-        if self.impulse.solver == "iterative":
-            raise ValueError(
-                "impulse.solver: expected auto or factor of shells, found iterative, which does "
-                "not converge on them"
-            )
-        used = set()
-        for key, shell in shells.items():
-            for ply in shell.layers:
-                used.add(ply.material)
-                self._check_material(key, ply.material)
-        if unused := [name for name in self.materials if name not in used]:
-            raise ValueError(f"materials.{unused[0]}: expected a shell of it, found none")
-
-    def _check_material(self, key: str, name: str | None) -> None:
-        """ValueError unless the material of a shell is there."""
-        if name is None and self.material is None:
-            raise ValueError(
-                f"{key}: expected material, one of {', '.join(self.materials)}, found none"
-            )
-        if name is not None and name not in self.materials:
-            known = ", ".join(self.materials) or "none, but [material] for all shells"
-            raise ValueError(f"{key}: no material {quoted(name)}; there are: {known}")
-        found = self.material if name is None else self.materials[name]
-        if found is not None and found.axes is not None:
-            raise ValueError(
-                f"{key}: axes of a material are those of solids: give the shell an orientation"
-            )
-        shell = self.shells_by_key[key]
-        if found is not None and not found.isotropic and shell.orientation is None:
-            raise ValueError(f"{key}.orientation: missing, for its material is orthotropic")
+    def _of_shells(self) -> None:
+        check_shells(self)
 
     @rule
     def _of_cad(self) -> None:
