@@ -34,12 +34,12 @@ def covariance_of(J: Array, residuals: Array, noise_is_known: bool) -> Covarianc
     # The pseudo-inverse: directions that no sample sees would divide by rounding.
     scaled = rows[told].T / sizes[told]
     covariance = scaled @ scaled.T / np.outer(norms, norms)
-    if not noise_is_known:
-        spare = len(residuals) - int(told.sum())
-        covariance *= residuals @ residuals / spare if spare > 0 else np.inf
-    deviations = np.sqrt(np.diag(covariance))
+    own = np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
-        correlation = covariance / np.outer(deviations, deviations)
+        correlation = covariance / np.outer(own, own)
+    spare = len(residuals) - int(told.sum())
+    variance = 1.0 if noise_is_known else residuals @ residuals / spare if spare > 0 else np.inf
+    deviations = np.full(k, np.inf) if variance == np.inf else np.sqrt(variance) * own
     # What a direction that no sample sees has a part in is not known at all.
     unseen = (np.abs(rows[~told]) > np.sqrt(LEAST_SINGULAR_VALUE)).any(axis=0)
     deviations[unseen] = np.inf

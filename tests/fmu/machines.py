@@ -87,13 +87,13 @@ def servo(**more):
     return m.model(settings(1.0, 5e-4, **more))
 
 
-def box(**more):
+def box(height=5e-3, **more):
     """A box that falls on a plane with friction, pulled by the input."""
     m = du.Mechanism(gravity=[0.0, 0.0, -9.81])
     corners = [(0.05, 0.05), (0.05, -0.05), (-0.05, 0.05), (-0.05, -0.05)]
     frames = {f"corner {k}": [x, y, -0.05] for k, (x, y) in enumerate(corners)}
     solid = du.RigidBody(1.0, [2e-3, 2e-3, 2e-3], frames)
-    body = m.add(solid, name="box", position=[0.0, 0.0, 0.055])
+    body = m.add(solid, name="box", position=[0.0, 0.0, 0.05 + height])
     floor = m.ground.frame("floor", [0.0, 0.0, 0.0])
     for k, corner in enumerate(frames):
         m.add(

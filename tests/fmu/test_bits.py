@@ -8,10 +8,11 @@ from duhamel.solver.output.columns import views
 from duhamel.solver.phases import Phases
 from duhamel.solver.signals.curves import Input
 from duhamel.solver.simulation import signals
+from duhamel.solver.step.loop import is_contact_near
 from duhamel.solver.step.record import record
 from duhamel.solver.stepper import Stepper
 
-from .machines import MACHINES, TWO_SIZES, values
+from .machines import MACHINES, TWO_SIZES, box, values
 
 ALL = ["*"]
 
@@ -86,6 +87,20 @@ def test_steps_of_two_sizes_are_those_of_a_run_to_the_last_bit(machine, exported
     assert len(set(sizes)) == 2
     instance, h = slave(exported(model, outputs=ALL).path), model.settings.step
     np.testing.assert_array_equal(stepped(instance, h, inputs), expected)
+
+
+def test_a_long_step_in_which_a_contact_closes_is_taken_back(exported, slave):
+    """The box begins at rest, less above the floor than it falls in the first long step."""
+    model = box(height=1e-8, contact_step=2e-5)
+    stepper = Stepper(model, ())
+    lowered, run = stepper.lowered, stepper.run
+    record(run, 0)
+    assert not is_contact_near(lowered.system, lowered.longest_step, run.state, run.work)
+    inputs = values(model, 50)
+    expected, sizes = phased(model, inputs)
+    assert set(sizes) == {1}
+    instance = slave(exported(model, outputs=ALL).path)
+    np.testing.assert_array_equal(stepped(instance, model.settings.step, inputs), expected)
 
 
 def test_a_state_keeps_the_size_of_steps(exported, slave):

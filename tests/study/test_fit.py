@@ -8,6 +8,7 @@ import pytest
 from duhamel.cli import app
 from duhamel.solver import read_model, simulate
 from duhamel.study import StudyError, fit
+from duhamel.study.covariance import covariance_of
 from typer.testing import CliRunner
 
 MASS, STIFFNESS, DAMPING, SHIFT, NOISE = 2.0, 800.0, 1.5, 0.013, 2e-4
@@ -255,6 +256,14 @@ def test_two_samples_do_not_tell_three_parameters(bench):
     found = fit(changed(bench, "sigma = 2e-4\n", ""))
     assert found.rank == 2
     assert all(one.deviation == np.inf for one in found.parameters)
+
+
+def test_residuals_that_are_met_exactly_tell_nothing_of_the_noise():
+    J, residuals = np.diag([2.0, 4.0]), np.zeros(2)
+    unknown = covariance_of(J, residuals, noise_is_known=False)
+    assert (unknown.deviations == np.inf).all()
+    known = covariance_of(J, residuals, noise_is_known=True)
+    np.testing.assert_allclose(known.deviations, [0.5, 0.25])
 
 
 def test_a_search_that_has_not_ended_is_told(bench, monkeypatch):
