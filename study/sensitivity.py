@@ -5,16 +5,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..files.arrays import Array
 from ..inputs import dotted
-from ..results import Results
 from ..solver import Model, simulate
-from .differences import DIFFERENCE_STEPS, LEAST_STEPS, slopes_of
+from .asked_numbers import AskedNumbers
+from .differences import DIFFERENCE_STEPS, LEAST_STEPS, DifferenceSlopes, slopes_of
 from .errors import StudyError
 from .one_model import read_study_of_one_model
-from .outputs import is_series, is_stepwise, sampled_over, units, values
+from .outputs import is_series, is_stepwise, units
 from .parametrized import Parametrized, of_function, of_model
 from .runs import runs_at
 
@@ -177,22 +176,60 @@ def by_differences(
     sizes = {name: _scale(name, value, scales) for name, value in family.values.items()}
     # First: it tells what is wrong with the model or the outputs, and warns as runs do.
     results = simulate(family.make(family.values))
-    asked = _Asked.of(results, outputs)
+    asked = AskedNumbers.of(results, outputs)
     base = asked.numbers(results)
-    derivatives, errors, notes = list[Array](), list[Array](), list[str]()
-    for name, scale in sizes.items():
-        found = _differences(family, name, scale, asked)
-        if np.isfinite(found).any(axis=1).sum() < LEAST_STEPS and asked.failure:
-            raise StudyError(
-                f"parameters.{dotted([name])}: the model does not run on both sides of "
-                f"{family.values[name]:.9g}: {asked.failure}"
-            )
-        derivative = slopes_of(found)
-        derivatives.append(derivative.value)
-        errors.append(derivative.error)
-        notes += asked.noted(name, derivative.switches)
-    notes += asked.without_derivative(base)
-    return asked.made(family.values, results, base, derivatives, errors, notes)
+    slopes = [_slopes(family, name, scale, asked) for name, scale in sizes.items()]
+    value, over_time = asked.split(base)
+    derivative, derivatives = asked.split(np.stack([one.value for one in slopes], axis=1))
+    error, errors = asked.split(np.stack([one.error for one in slopes], axis=1))
+    error[[is_stepwise(text) for text in asked.outputs.values()]] = np.inf
+    series = {
+        name: SeriesDerivative(abscissa, over_time[name], derivatives[name], errors[name])
+        for name, abscissa in asked.series.items()
+    }
+    return Sensitivities(
+        dict(family.values),
+        asked.outputs,
+        units(results, asked.outputs),
+        value,
+        derivative,
+        error,
+        series,
+        (*_switching(family, slopes, asked), *_without_derivative(value, asked)),
+    )
+
+
+def _slopes(family: Parametrized, name: str, scale: float, asked: AskedNumbers) -> DifferenceSlopes:
+    """The derivatives of all numbers by a parameter; `StudyError` where no run can be made."""
+    asked.failure = ""
+    found = _differences(family, name, scale, asked)
+    if np.isfinite(found).any(axis=1).sum() < LEAST_STEPS and asked.failure:
+        raise StudyError(
+            f"parameters.{dotted([name])}: the model does not run on both sides of "
+            f"{family.values[name]:.9g}: {asked.failure}"
+        )
+    return slopes_of(found)
+
+
+def _switching(
+    family: Parametrized, slopes: Sequence[DifferenceSlopes], asked: AskedNumbers
+) -> Iterator[str]:
+    """Lines about outputs whose differences by a parameter scatter."""
+    for name, one in zip(family.values, slopes, strict=True):
+        of_outputs, of_series = asked.split(one.switches)
+        switching = [*of_outputs.tolist(), *(part.any() for part in of_series.values())]
+        for output, switches in zip((*asked.outputs, *asked.series), switching, strict=True):
+            if switches:
+                yield f"{output} by {name}: {SWITCH_NOTE}"
+
+
+def _without_derivative(value: Array, asked: AskedNumbers) -> Iterator[str]:
+    """Lines about outputs that have no derivative."""
+    for (output, text), number in zip(asked.outputs.items(), value.tolist(), strict=True):
+        if not np.isfinite(number):
+            yield f"{output} has no number in this run"
+        elif is_stepwise(text):
+            yield f"{output} is one of the recorded times, or a count: its error is not known"
 
 
 def _check_method(method: str) -> None:
@@ -210,7 +247,7 @@ def _scale(name: str, value: float, scales: Mapping[str, float]) -> float:
     return float(scale)
 
 
-def _differences(family: Parametrized, name: str, scale: float, asked: "_Asked") -> Array:
+def _differences(family: Parametrized, name: str, scale: float, asked: AskedNumbers) -> Array:
     """D of each step and number (5, m); no numbers where a run failed."""
     value = family.values[name]
     ends = np.array([value + DIFFERENCE_STEPS * scale, value - DIFFERENCE_STEPS * scale])
@@ -220,86 +257,3 @@ def _differences(family: Parametrized, name: str, scale: float, asked: "_Asked")
     # By the difference of what was really put in: steps of 1e-6 are rounded.
     found: Array = (above - below) / (ends[0] - ends[1])[:, None]
     return found
-
-
-class _Asked:
-    """The numbers that are taken of each run: outputs, then the samples of quantities over time."""
-
-    def __init__(self, outputs: Mapping[str, str], series: Mapping[str, Array]) -> None:
-        self._outputs = {name: text for name, text in outputs.items() if name not in series}
-        self._series = series
-        self._words = {name: outputs[name] for name in series}
-        self._n = len(self._outputs) + sum(map(len, series.values()))
-        self.failure = ""
-        """of the last run that failed"""
-
-    @classmethod
-    def of(cls, results: Results, outputs: Mapping[str, str]) -> "_Asked":
-        if not outputs:
-            raise StudyError("outputs: expected at least one, found none")
-        series = {
-            name: sampled_over(results, f"outputs.{name}", text)[0]
-            for name, text in outputs.items()
-            if is_series(text)
-        }
-        return cls(outputs, series)
-
-    def numbers(self, results: Results) -> Array:
-        """(m,) of a run; series at the times of the first run."""
-        found = [np.array(list(values(results, self._outputs).values()), dtype=float)]
-        for name, abscissa in self._series.items():
-            own, column = sampled_over(results, f"outputs.{name}", self._words[name])
-            same = np.array_equal(own, abscissa)
-            found.append(column if same else np.interp(abscissa, own, column))
-        return np.concatenate(found)
-
-    def of_run(self, run: Results | Exception) -> Array:
-        """The numbers of a run; none of one that failed."""
-        if isinstance(run, Results):
-            return self.numbers(run)
-        self.failure = str(run)
-        return np.full(self._n, np.nan)
-
-    def noted(self, name: str, switches: NDArray[np.bool_]) -> Iterator[str]:
-        """Lines about outputs whose differences by a parameter scatter."""
-        lengths = [1] * len(self._outputs) + [len(one) for one in self._series.values()]
-        parts = np.split(switches, np.cumsum(lengths)[:-1])
-        for output, part in zip((*self._outputs, *self._series), parts, strict=True):
-            if part.any():
-                yield f"{output} by {name}: {SWITCH_NOTE}"
-
-    def without_derivative(self, base: Array) -> Iterator[str]:
-        """Lines about outputs that have no derivative."""
-        for (output, text), value in zip(self._outputs.items(), base.tolist(), strict=False):
-            if not np.isfinite(value):
-                yield f"{output} has no number in this run"
-            elif is_stepwise(text):
-                yield f"{output} is one of the recorded times, or a count: its error is not known"
-
-    def made(
-        self,
-        parameters: Mapping[str, float],
-        results: Results,
-        base: Array,
-        derivatives: Sequence[Array],
-        errors: Sequence[Array],
-        notes: Sequence[str],
-    ) -> Sensitivities:
-        n = len(self._outputs)
-        slopes, scatter = np.array(derivatives).T, np.array(errors).T
-        scatter[:n][[is_stepwise(text) for text in self._outputs.values()]] = np.inf
-        series, first = dict[str, SeriesDerivative](), n
-        for name, abscissa in self._series.items():
-            own = slice(first, first + len(abscissa))
-            series[name] = SeriesDerivative(abscissa, base[own], slopes[own], scatter[own])
-            first += len(abscissa)
-        return Sensitivities(
-            dict(parameters),
-            dict(self._outputs),
-            units(results, self._outputs),
-            base[:n],
-            slopes[:n],
-            scatter[:n],
-            series,
-            tuple(notes),
-        )
