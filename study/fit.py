@@ -99,7 +99,7 @@ def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     problem = FitProblem(study.parametrized, axes, series)
     problem.begin(table.shift)
     axes = problem.axes
-    start = np.array([axis.inner(axis.start) for axis in axes])
+    start = np.array([axis.inner(axis.begin) for axis in axes])
     bounds = np.array([[axis.inner(end) for end in (axis.low, axis.high)] for axis in axes]).T
     found = least_squares(
         problem.residuals,

@@ -45,7 +45,7 @@ class FitProblem:
 
         `StudyError` where there is no run at the start, or a series lies beyond it.
         """
-        values = {axis.name: axis.start for axis in self.axes}
+        values = {axis.name: axis.begin for axis in self.axes}
         results = simulate(self._family.make(values))
         self._last = values, results
         low, high = -np.inf, np.inf
@@ -94,7 +94,10 @@ class FitProblem:
     def fit(self, inner: Array, active: Array, converged: bool) -> ModelFit:
         run = self._run(self._values(inner))
         residuals, J = self.residuals(inner), self.jacobian(inner)
-        outer = [axis.outer(x) for axis, x in zip(self.axes, inner.tolist(), strict=True)]
+        outer = [
+            axis.at_bound(side) if side else axis.outer(x)
+            for axis, x, side in zip(self.axes, inner.tolist(), active.tolist(), strict=True)
+        ]
         slopes = np.array([a.slope(x) for a, x in zip(self.axes, outer, strict=True)])
         # By the parameters themselves, not as the search scales them.
         found = covariance_of(J / slopes, residuals, noise_is_known=bool(self._series[0].sigma))

@@ -10,6 +10,8 @@ from .measured_series import MeasuredSeries
 from .search_axis import SHIFT_NAME
 
 STRONG_CORRELATION = 0.95
+LARGE_RESIDUALS = 2.0
+"""over sigma, which noise alone does not reach"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +74,12 @@ class ModelFit:
                 yield (
                     f"{names[i]} and {names[j]} have a correlation of {self.correlation[i, j]:.3f}:"
                     " the series hardly tell them apart"
+                )
+        for one, rms in zip(self.series, self.rms.tolist(), strict=True):
+            if one.sigma and rms > LARGE_RESIDUALS * one.sigma:
+                yield (
+                    f"{one.quantity}: the residuals are {rms / one.sigma:.2g} times sigma: the "
+                    "model does not move as the test did, and the deviations are too small"
                 )
         for parameter in self.parameters:
             if parameter.at_bound:

@@ -11,6 +11,8 @@ from .one_model import StudyParameter
 
 JACOBIAN_STEP = 1e-4
 """of the scale of a parameter, for central differences: smooth runs are right to 1e-8 there"""
+LEAST_DISTANCE = 1e-9
+"""of a start from its bounds, over their distance"""
 SHIFT_NAME = "shift"
 """the name of the parameter that moves a run over time"""
 
@@ -40,10 +42,19 @@ class SearchAxis:
             raise StudyError(
                 f"parameters.{dotted([name])}: begins at 0: expected bounds, {{uniform = [..]}}"
             )
-        # Strictly within the bounds, as the search wants its start.
-        margin = 1e-9 * (high - low) if bounds else 0.0
-        inside = min(max(start, low + margin), high - margin)
-        return cls(name, inside, scale, low, high, parameter.logarithmic)
+        return cls(name, start, scale, low, high, parameter.logarithmic)
+
+    @property
+    def begin(self) -> float:
+        """The start, strictly within the bounds, as the search wants it."""
+        if not np.isfinite(self.high - self.low):
+            return self.start
+        margin = LEAST_DISTANCE * (self.high - self.low)
+        return min(max(self.start, self.low + margin), self.high - margin)
+
+    def at_bound(self, side: int) -> float:
+        """The lower bound, -1, or the upper one, 1."""
+        return self.low if side < 0 else self.high
 
     def ends(self, value: float) -> tuple[float, float]:
         """Between which the difference about a value is taken."""
