@@ -4,17 +4,16 @@ import warnings
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import nullcontext
-from threading import Event, Lock
+from threading import Lock
 from typing import Literal, NamedTuple, overload
 
 from ..files.cores import usable_cores
 from ..files.kept_warnings import kept_warnings
 from ..results.results import Results
+from .control import RUN_CONTROL, SECONDS_PER_LOOK, RunControl
 from .model.model import Model
-from .simulation import RUN_INTERRUPT, simulate
+from .simulation import simulate
 
-SECONDS_PER_LOOK = 0.2
-"""between two looks at the keyboard; some systems wait for threads with deaf ears"""
 MOST_NAMED = 5
 """runs that the message of a failure names"""
 
@@ -123,21 +122,21 @@ def _name(number: int, n: int, model: Model) -> str:
 
 def _outcomes(models: Sequence[Model], workers: int) -> list[_Outcome]:
     """The outcomes of all runs; none goes on after an interrupt."""
-    interrupt = Event()
+    control = RunControl()
     with ThreadPoolExecutor(workers, thread_name_prefix="simulate_many") as pool:
-        runs: list[Future[_Outcome]] = [pool.submit(_run, model, interrupt) for model in models]
+        runs: list[Future[_Outcome]] = [pool.submit(_run, model, control) for model in models]
         try:
             while wait(runs, SECONDS_PER_LOOK).not_done:
                 pass
         except BaseException:
-            interrupt.set()
+            control.stop()
             pool.shutdown(cancel_futures=True)
             raise
     return [run.result() for run in runs]
 
 
-def _run(model: Model, interrupt: Event) -> _Outcome:
-    RUN_INTERRUPT.set(interrupt)
+def _run(model: Model, control: RunControl) -> _Outcome:
+    RUN_CONTROL.set(control)
     with kept_warnings() as kept, _fmus if model.fmus else nullcontext():
         try:
             return _Outcome(simulate(model), kept)

@@ -4,11 +4,9 @@ import os
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
-from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from threading import Event
 
 import numpy as np
 
@@ -21,6 +19,7 @@ from ..results.results import Results
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import FMUS_PREFIX, Arrays, carried, with_prefix
+from .control import RUN_CONTROL
 from .cosimulation.exchange import Exchange
 from .cosimulation.start import start_beside
 from .diagnosis import likely_cause
@@ -72,8 +71,6 @@ from .step.system import Inputs, Run, State, Workspace
 
 BATCH_SECONDS = 0.1
 """seconds that the loop runs before it returns, for progress and interrupts"""
-RUN_INTERRUPT: ContextVar[Event | None] = ContextVar("interrupt", default=None)
-"""what interrupts runs in this thread, beside the keyboard, which interrupts the main thread"""
 
 
 def simulate(
@@ -296,9 +293,10 @@ class PreparedRun:
 def _finish(prepared: PreparedRun, progress: bool) -> Results:
     writer, started = prepared.writer, time.perf_counter()
     try:
-        integrate(prepared, progress)
+        waited = integrate(prepared, progress)
         taken = int(prepared.state.taken[0])
-        writer.note(finished=True, seconds=time.perf_counter() - started, steps=taken)
+        seconds = time.perf_counter() - started - waited
+        writer.note(finished=True, seconds=seconds, steps=taken)
         settle_checkpoint(writer)
         writer.finish()
     except (ConvergenceError, MissedContactError, ModelError, OutOfRangeError) as error:
@@ -333,14 +331,17 @@ def _warn(lines: Iterable[str], stacklevel: int) -> None:
         warn(line, ValidityWarning, stacklevel=stacklevel)
 
 
-def integrate(prepared: PreparedRun, progress: bool = False) -> None:
-    """Take the steps of a run that are left, with the rows that it records."""
+def integrate(prepared: PreparedRun, progress: bool = False) -> float:
+    """Take the steps of a run that are left, with the rows that it records.
+
+    Returns the seconds for which the run was held (`RunControl`).
+    """
     exchange, state, work, total = prepared.exchange, prepared.state, prepared.work, prepared.total
     lowered = exchange.lowered
     # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
-    branches, monitor, interrupt = Branches(lowered), prepared.monitor, RUN_INTERRUPT.get()
+    branches, monitor, control, waited = Branches(lowered), prepared.monitor, RUN_CONTROL.get(), 0.0
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         prepared.keeper() as keeper,
@@ -358,9 +359,11 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
         keeper.step_taken(done, recorder)
         # A file has checks from its first rows on; results in memory are read at the end alone.
         checked = -inf
+        if control is not None:
+            control.begin(writer.place if isinstance(writer, FileWriter) else None, total)
         while done < total:
-            if interrupt is not None and interrupt.is_set():
-                raise KeyboardInterrupt
+            if control is not None:
+                waited += control.obey(recorder.write)
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))
@@ -393,6 +396,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> None:
             taken_seconds = time.perf_counter() - started
             if taken_seconds < 0.5 * BATCH_SECONDS:
                 batch *= 16 if taken_seconds < BATCH_SECONDS / 32 else 2
+    return waited
 
 
 @contextmanager

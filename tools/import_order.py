@@ -108,6 +108,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "phases",
         "cosimulation",
         "plausibility",
+        "control",
         "simulation",
         "many",
         "inspection",

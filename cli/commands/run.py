@@ -1,13 +1,19 @@
 """`duhamel run`."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..arguments import ModelFile, output_option, results_of
 from ..failures import errors_in_one_line, one_line, unwritten
+
+if TYPE_CHECKING:
+    from ...solver import Model
 
 Output = Annotated[Path | None, output_option("FILE.h5")]
 Resume = Annotated[
@@ -25,8 +31,24 @@ Anyway = Annotated[
 ]
 
 
+# Once steps are made, `simulate` says itself what an interrupt leaves.
+BEFORE = "before the first step"
+Watch = Annotated[
+    bool,
+    typer.Option(
+        "--watch",
+        help="Serve a page on this machine that shows the run while it goes on, and pauses or "
+        "stops it.",
+    ),
+]
+
+
 def run(
-    model_file: ModelFile, output: Output = None, resume: Resume = False, anyway: Anyway = False
+    model_file: ModelFile,
+    output: Output = None,
+    resume: Resume = False,
+    anyway: Anyway = False,
+    watch: Watch = False,
 ) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless given."""
     if anyway and not resume:
@@ -36,14 +58,40 @@ def run(
     from ..run_report import report
 
     target = output or results_of(model_file)
-    # Once steps are made, `simulate` says itself what an interrupt leaves.
-    unbegun = unwritten(target, "before the first step")
-    with errors_in_one_line(solver, superelement), unbegun:
+    with errors_in_one_line(solver, superelement, *_pages(watch)), unwritten(target, BEFORE):
         model = solver.read_model(model_file)
-        results = solver.simulate(model, output=target, progress=True, resume=resume, force=anyway)
-    for line in (*solver.given_moduli(model), *report(results)):
-        typer.echo(one_line(line))
-    steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
-    speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
-    seconds = perf_counter() - start
-    typer.echo(one_line(f"{target}: {steps} steps, {seconds:.2f} s in all{speed}"))
+        with _watched(model, target) if watch else nullcontext():
+            results = solver.simulate(
+                model, output=target, progress=True, resume=resume, force=anyway
+            )
+            for line in (*solver.given_moduli(model), *report(results)):
+                typer.echo(one_line(line))
+            steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
+            speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
+            seconds = perf_counter() - start
+            typer.echo(one_line(f"{target}: {steps} steps, {seconds:.2f} s in all{speed}"))
+
+
+def _pages(watch: bool) -> list[ModuleType]:
+    """The package of pages, if there is one to be made."""
+    if not watch:
+        return []
+    from ... import view
+
+    return [view]
+
+
+@contextmanager
+def _watched(model: "Model", target: Path) -> Iterator[None]:
+    """Serve the page of the run of the block."""
+    from ...solver.control import RUN_CONTROL, RunControl
+    from ...view.live.server import watched
+
+    def tell(address: str) -> None:
+        typer.echo(f"watch the run: {address}", err=True)
+
+    control = RunControl()
+    RUN_CONTROL.set(control)
+    title = Path(model.path).stem if model.path else target.stem
+    with watched(control, target, title, model.settings.t_end, tell):
+        yield

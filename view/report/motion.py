@@ -64,7 +64,7 @@ class Motion:
     moving: the stage at the instants of motion (k,), with marks; deforming: the same at those of
     deformation (f,), with the field; origin (3,) [m]; named: names of couplings with the places
     (k, 3) of their first frames [m]; gravity (3,), if there is any; turn: largest angle between two
-    instants [rad]; recorded: instants of the run.
+    instants [rad]; recorded: instants of the run; known: a box that other instants reach.
     """
 
     moving: Stage
@@ -75,6 +75,7 @@ class Motion:
     gravity: Array | None
     turn: float
     recorded: int
+    known: Sequence[Array] = ()
 
     @property
     def time(self) -> Array:
@@ -104,7 +105,7 @@ class Motion:
     def box(self) -> tuple[Array, Array]:
         """The box that holds all bodies at all times (3,), (3,) [m], with some room."""
         fitting = Fitting(np.eye(3))
-        for points in self.reached:
+        for points in (*self.reached, *self.known):
             fitting.take(points)
         low, high = fitting.box
         if not np.isfinite(low).all():
@@ -136,6 +137,21 @@ def motion(
     instants = time[rows][evenly(time[rows], slice(None), max(frames, 2))]
     deforming = Stage(results, instants, field or None, marks=False)
     moving = Stage(results, time[rows], NO_FIELD, deforming.magnification)
+    return staged(results, moving, deforming, turn, on_body)
+
+
+def staged(
+    results: Results,
+    moving: Stage,
+    deforming: Stage,
+    turn: float = 0.0,
+    on_body: Callable[[], object] | None = None,
+    known: Sequence[Array] = (),
+) -> Motion:
+    """The motion of stages at its instants, and at those of deformation.
+
+    turn: largest angle of a body between two instants [rad]; known: a box of other instants.
+    """
     far = float(np.linalg.norm(moving.middle)) > FAR_FROM_ORIGIN * moving.size
     origin = np.round(moving.middle, 3) if far else np.zeros(3)
     shapes = []
@@ -145,8 +161,9 @@ def motion(
             on_body()
     ends = ((c.name, moving.placing.ends(c)) for c in results.couplings)
     named = [(name, found[0] - origin) for name, found in ends if found is not None]
+    recorded = len(results.time)
     gravity = gravity_of(results)
-    return Motion(moving, deforming, origin, shapes, named, gravity, turn, len(time))
+    return Motion(moving, deforming, origin, shapes, named, gravity, turn, recorded, known)
 
 
 def poses(x: Array, A: Array) -> Array:

@@ -1,75 +1,8 @@
-"use strict";
-/* Draws the plots of the page and plays its animation. Nothing is fetched: programs and data stand
-   in the page, compressed. */
+/* Draws the plots of a report and plays its animation. Nothing is fetched. */
 (async () => {
-  const byId = (id) => document.getElementById(id);
-  const COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
-  const MARGIN = { l: 74, r: 18, t: 30, b: 42 };
-  /* Not those of the library, one of which sends a chart to a server. */
-  const BUTTONS = [["zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d", "toImage"]];
-
-  /* The time that animation and plots show [s], and who follows it. */
-  const clock = {
-    followers: [],
-    t: 0,
-    set(t) {
-      this.t = t;
-      this.followers.forEach((follow) => follow(t));
-    },
-  };
-
-  function bytes(id) {
-    const text = atob(byId(id).textContent.trim());
-    const found = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; i++) found[i] = text.charCodeAt(i);
-    return found;
-  }
-
-  async function unpacked(id) {
-    const stream = new Blob([bytes(id)]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).text();
-  }
-
-  function tell(place, text) {
-    const told = document.createElement("p");
-    told.className = "failed";
-    told.textContent = text;
-    place.replaceChildren(told);
-  }
-
-  function told(time) {
-    return `${Number(time.toPrecision(5))} s`;
-  }
+  const { MARGIN, OPTIONS, byId, clock, bytes, unpacked, tell, told, traces, layout, hasWebGL, follower, drawNames, sceneFrom, loadPlotly } = viewer;
 
   /* ---- plots ---- */
-
-  function traces(plot) {
-    return plot.curves.map((curve, i) => ({
-      x: curve.x,
-      y: curve.y,
-      name: curve.name,
-      mode: plot.marks ? "markers" : "lines",
-      line: { color: COLORS[i % COLORS.length], width: 1.5 },
-      marker: { color: COLORS[i % COLORS.length], size: 7 },
-      hovertemplate: "%{y:.5g} at %{x:.6g} s",
-    }));
-  }
-
-  function layout(plot, range) {
-    const axis = { gridcolor: "#e6eaee", zerolinecolor: "#c3ccd4", linecolor: "#5b6875", ticks: "outside", tickcolor: "#c3ccd4", exponentformat: "power", automargin: false };
-    return {
-      margin: MARGIN,
-      font: { family: "system-ui, sans-serif", size: 12, color: "#1c2733" },
-      showlegend: true,
-      legend: { orientation: "h", x: 0, xanchor: "left", y: 1.0, yanchor: "bottom", itemwidth: 30 },
-      xaxis: { ...axis, title: { text: "time [s]", standoff: 6 }, range: range.slice() },
-      yaxis: { ...axis, title: { text: plot.unit ? `[${plot.unit}]` : "", standoff: 4 }, type: plot.log ? "log" : "linear" },
-      dragmode: "zoom",
-      hovermode: "closest",
-      paper_bgcolor: "#fff",
-      plot_bgcolor: "#fff",
-    };
-  }
 
   /* The dashed line of the clock over a plot, and the time at a click. */
   function link(wrapper, drawn) {
@@ -106,15 +39,12 @@
   async function drawPlots(data) {
     const places = [...document.querySelectorAll(".plot")];
     if (!places.length) return;
-    const program = document.createElement("script");
-    program.textContent = await unpacked("plotly");
-    document.head.append(program);
-    const options = { displaylogo: false, responsive: true, modeBarButtons: BUTTONS };
+    await loadPlotly();
     const all = [];
     for (const wrapper of places) {
       const plot = data.plots[Number(wrapper.dataset.plot)];
       const drawn = wrapper.querySelector(".drawn");
-      await Plotly.newPlot(drawn, traces(plot), layout(plot, data.range), options);
+      await Plotly.newPlot(drawn, traces(plot), layout(plot, data.range), OPTIONS);
       if (data.moves) link(wrapper, drawn);
       all.push(drawn);
     }
@@ -124,44 +54,6 @@
   }
 
   /* ---- animation ---- */
-
-  function hasWebGL() {
-    try {
-      return Boolean(document.createElement("canvas").getContext("webgl2"));
-    } catch {
-      return false;
-    }
-  }
-
-  /* The number of the instant at a time, with its fraction between two. */
-  function frameAt(instants, t) {
-    let low = 0;
-    let high = instants.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (instants[middle] <= t) low = middle;
-      else high = middle;
-    }
-    const span = instants[high] - instants[low];
-    return span > 0 ? low + Math.min(Math.max((t - instants[low]) / span, 0), 1) : low;
-  }
-
-  /* A frame at a time: while one is drawn, the next waits. */
-  function follower(scene, instants) {
-    let busy = false;
-    let next = null;
-    return async (t) => {
-      next = t;
-      if (busy) return;
-      busy = true;
-      while (next !== null) {
-        const shown = next;
-        next = null;
-        await scene.setTime(frameAt(instants, shown));
-      }
-      busy = false;
-    };
-  }
 
   function connect(scene, data) {
     const [first, last] = data.range;
@@ -195,39 +87,6 @@
       view.addEventListener("click", () => scene.setCamera(JSON.parse(view.dataset.camera)));
   }
 
-  /* Names of joints and others over the scene, as text that follows their places. */
-  function drawNames(scene, data) {
-    const stage = byId("names-of-marks");
-    const { names, times, places } = data.marks;
-    const shown = names.map((name) => {
-      const label = document.createElement("span");
-      label.textContent = name;
-      stage.append(label);
-      return label;
-    });
-    const place = () => {
-      const { camera } = scene.getWorld();
-      const toEye = camera.matrixWorldInverse.elements;
-      const toScreen = camera.projectionMatrix.elements;
-      const { clientWidth: width, clientHeight: height } = stage;
-      const frame = frameAt(times, clock.t);
-      const before = Math.floor(frame);
-      const after = Math.ceil(frame);
-      const part = frame - before;
-      shown.forEach((label, i) => {
-        const point = [0, 1, 2].map((axis) => places[before][3 * i + axis] * (1 - part) + places[after][3 * i + axis] * part);
-        const seen = [0, 1, 2].map((row) => toEye[row] * point[0] + toEye[row + 4] * point[1] + toEye[row + 8] * point[2] + toEye[row + 12]);
-        const depth = -seen[2];
-        const x = (0.5 + (0.5 * toScreen[0] * seen[0]) / depth) * width;
-        const y = (0.5 - (0.5 * toScreen[5] * seen[1]) / depth) * height;
-        label.style.display = depth > 0 ? "" : "none";
-        label.style.transform = `translate(${x}px, ${y}px)`;
-      });
-    };
-    scene.on(scene.events.RENDERED, place);
-    clock.followers.push(place);
-  }
-
   async function drawMotion(data) {
     const stage = byId("stage");
     if (!stage) return;
@@ -242,10 +101,7 @@
       return;
     }
     still.classList.add("unseen");
-    let library;
-    const define = (...given) => (library = given.at(-1)());
-    new Function("define", await unpacked("k3d"))(define);
-    const scene = await library.CreateK3DAndLoadBinarySnapshot(bytes("scene").buffer, byId("canvas"));
+    const scene = await sceneFrom(await unpacked("k3d"), bytes("scene").buffer, byId("canvas"));
     connect(scene, data);
     drawNames(scene, data);
     window.duhamel = { scene, clock };

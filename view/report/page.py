@@ -62,7 +62,7 @@ def page(
         head=head(results, source),
         sections=sections,
         packed={name: Markup(text) for name, text in packed.items()},
-        script=Markup(read("page.js")),
+        script=Markup(read("viewer.js") + read("page.js")),
     )
 
 

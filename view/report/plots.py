@@ -14,6 +14,7 @@ from ...superelement.validation import Array
 from ..curve import Curve
 from ..naming import in_full, title_and_labels
 from ..overview import overview
+from ..quantities import curves
 from .thinning import kept
 
 # As many as there are colors: the largest ones.
@@ -40,7 +41,7 @@ class Plot:
 
 def plots(results: Results) -> Iterator[tuple[str, list[Plot]]]:
     """The plots by the heading above them; none where nothing was recorded."""
-    yield "Overview", _overview(results)
+    yield "Overview", overview_plots(results)
     for section in dict.fromkeys(kind.section for kind in KINDS_BY_NAME.values() if kind.section):
         found = [name for name, kind in KINDS_BY_NAME.items() if kind.section == section]
         drawn = [plot for name in found for plot in _of_kind(results, name)]
@@ -75,12 +76,21 @@ def remark(plot: Plot, time: Array) -> str:
     return "; ".join(parts)
 
 
-def _overview(results: Results) -> list[Plot]:
+def overview_plots(results: Results) -> list[Plot]:
+    """The plots that are shown unasked."""
     try:
-        panels = overview(results)
+        return [_panel(shown) for shown in overview(results)]
     except QuantityError:
         return []
-    return [Plot(title_and_labels(curves)[0], curves[0].unit, curves) for curves in panels]
+
+
+def plot_of(results: Results, quantity: str) -> Plot:
+    """The plot of a quantity as `duhamel plot` has them; `QuantityError` where there is none."""
+    return _panel(curves(results, quantity))
+
+
+def _panel(shown: Sequence[Curve]) -> Plot:
+    return Plot(title_and_labels(shown)[0], shown[0].unit, shown)
 
 
 def _peaks_of_contacts(results: Results) -> Iterator[Plot]:

@@ -1,6 +1,7 @@
 """The motion of a run as a scene of K3D, in the bytes that it loads in a browser."""
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.colors import to_hex
@@ -59,11 +60,46 @@ def scene(motion: Motion) -> bytes:
     )
     plot += _grid(k3d, motion)
     plot.camera = placed(cameras(motion)["Overview"])
-    drawn = [part for shape in motion.shapes for part in _body(k3d, motion, shape)]
-    for part in (*drawn, *(_mark(k3d, motion, mark) for mark in motion.moving.marks)):
+    parts = [part for shape in motion.shapes for part in _body(k3d, motion, shape)]
+    parts += [_mark(k3d, motion, mark) for mark in motion.moving.marks]
+    for number, (part, moved) in enumerate(zip(parts, movements(motion), strict=True)):
+        # By its name the script of a page finds it.
+        part.name = str(number)
+        if moved.matrices is not None:
+            part.model_matrix = _series(frames(motion), moved.matrices)
+        if moved.vertices is not None:
+            part.vertices = _series(frames(motion, moved.times), moved.vertices)
         plot += part
     snapshot: bytes = plot.get_binary_snapshot(9)
     return snapshot
+
+
+class Movement(NamedTuple):
+    """What changes of a part of the scene: matrices (k, 4, 4) at the instants of motion, vertices
+    (f, m, 3) at times (f,); None where they do not change.
+    """
+
+    matrices: Array | None
+    vertices: Array | None
+    times: Array | None = None
+
+
+def movements(motion: Motion) -> Iterator[Movement]:
+    """Those of all parts of the scene but the grid, in order."""
+    for shape in motion.shapes:
+        deformed = None if shape.u is None else _rounded(shape)
+        moved = Movement(shape.poses, deformed, motion.deforming.times)
+        yield from [moved] * (bool(len(shape.triangles)) + bool(len(shape.lines)))
+    for mark in motion.moving.marks:
+        if not len(mark.glyph.triangles):
+            yield Movement(None, mark.position(slice(None)) - motion.origin)
+            continue
+        A = mark.A
+        if mark.kind in ("joints", "contacts"):
+            # Where a small body goes far, marks in proportion to it alone would hardly be seen.
+            A = A * max(1.0, LEAST_MARK_RADIUS * _size(motion) / motion.moving.radius)
+        A = A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
+        yield Movement(poses(mark.x - motion.origin, A), None)
 
 
 def square(motion: Motion) -> float:
@@ -148,17 +184,13 @@ def _body(k3d: Any, motion: Motion, shape: Shape) -> list[Any]:
         made.append(_surface(k3d, shape.points, shape.triangles, color))
     if len(shape.lines):
         made.append(_lines(k3d, shape.points, shape.lines, color, width))
-    deforming = frames(motion, motion.deforming.times)
     for drawn in made:
-        drawn.model_matrix = _series(frames(motion), shape.poses)
-        if shape.u is not None:
-            drawn.vertices = _series(deforming, _rounded(shape))
         if shape.values is not None:
             shades = np.round(shape.values / (motion.largest or 1.0) * COLOR_STEPS) / COLOR_STEPS
             ends = np.linspace(0.0, 1.0, COLOR_STEPS + 1)
             drawn.color_map = np.column_stack([ends, COLOR_MAP(ends)[:, :3]]).ravel().tolist()
             drawn.color_range = [0.0, 1.0]
-            drawn.attribute = _series(deforming, shades)
+            drawn.attribute = _series(frames(motion, motion.deforming.times), shades)
     return made
 
 
@@ -166,17 +198,9 @@ def _mark(k3d: Any, motion: Motion, mark: Mark) -> Any:
     color, glyph = int(mark.color[1:], 16), mark.glyph
     if not len(glyph.triangles):
         width = RELATIVE_LINE_WIDTH * _size(motion)
-        drawn = _lines(k3d, glyph.points, glyph.lines, color, width)
-        drawn.vertices = _series(frames(motion), mark.position(slice(None)) - motion.origin)
-        return drawn
+        return _lines(k3d, glyph.points, glyph.lines, color, width)
     drawn = _surface(k3d, glyph.points, glyph.triangles, color)
     drawn.opacity = mark.opacity
-    A = mark.A
-    if mark.kind in ("joints", "contacts"):
-        # Where a small body goes far, marks in proportion to it alone would hardly be seen.
-        A = A * max(1.0, LEAST_MARK_RADIUS * _size(motion) / motion.moving.radius)
-    A = A + UNSEEN_SIZE * motion.moving.size * np.eye(3)
-    drawn.model_matrix = _series(frames(motion), poses(mark.x - motion.origin, A))
     return drawn
 
 

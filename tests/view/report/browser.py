@@ -22,7 +22,7 @@ OPTIONS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-dev-shm-usage",
-    "--host-resolver-rules=MAP * ~NOTFOUND",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
     "--remote-debugging-pipe",
     "--window-size=1280,900",
 )
@@ -52,7 +52,10 @@ class Browser:
             self._call(f"{domain}.enable")
 
     def open(self, path: Path) -> None:
-        self._call("Page.navigate", url=path.resolve().as_uri())
+        self.visit(path.resolve().as_uri())
+
+    def visit(self, address: str) -> None:
+        self._call("Page.navigate", url=address)
 
     def run(self, expression: str) -> Any:
         """The value of an expression of JavaScript, or of its promise."""

@@ -1,9 +1,7 @@
 """What a report leaves out, and what it must not."""
 
 from itertools import pairwise
-from types import SimpleNamespace
 
-import k3d
 import numpy as np
 import pytest
 from duhamel import solver
@@ -11,7 +9,7 @@ from duhamel.results.motion import BodyMotion, FrameMotion
 from duhamel.superelement.figures import sphere
 from duhamel.view.report.motion import WANTED_TURN, motion
 from duhamel.view.report.plots import drawing, plots
-from duhamel.view.report.scene import _mark, scene
+from duhamel.view.report.scene import movements, scene
 from duhamel.view.report.simplify import simplified
 from duhamel.view.report.thinning import kept
 from duhamel.view.space.stage import Stage
@@ -129,15 +127,15 @@ def test_marks_stand_at_their_frames_on_bodies_as_they_are_drawn(results):
     np.testing.assert_allclose(clamp.x, named["clamp"], atol=1e-12)
 
 
-def test_marks_that_are_not_seen_can_be_inverted(results, monkeypatch):
+def test_marks_that_are_not_seen_can_be_inverted(results):
     """An arrow without a force is of size 0, which K3D would turn by what is no number."""
-    shown, drawn = motion(results), []
-    monkeypatch.setattr(k3d, "mesh", lambda *_, **__: drawn.append(SimpleNamespace()) or drawn[-1])
-    arrows = [mark for mark in shown.moving.marks if mark.kind == "forces"]
-    assert any((mark.A == 0.0).all(axis=(1, 2)).any() for mark in arrows)
-    for mark in arrows:
-        matrices = np.array([*_mark(k3d, shown, mark).model_matrix.values()])
-        assert (np.linalg.det(matrices.astype(float)) > 0.0).all()
+    shown = motion(results)
+    marks = shown.moving.marks
+    moved = [*movements(shown)][-len(marks) :]
+    arrows = [number for number, mark in enumerate(marks) if mark.kind == "forces"]
+    assert any((marks[number].A == 0.0).all(axis=(1, 2)).any() for number in arrows)
+    for number in arrows:
+        assert (np.linalg.det(moved[number].matrices.astype(np.float32)) > 0.0).all()
 
 
 def test_marks_move_at_all_instants_where_a_large_body_deforms_at_fewer(results, monkeypatch):

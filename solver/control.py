@@ -1,0 +1,62 @@
+"""What another thread holds, continues and stops a run by, between its batches of steps."""
+
+import time
+from collections.abc import Callable
+from contextvars import ContextVar
+from pathlib import Path
+from threading import Event
+
+SECONDS_PER_LOOK = 0.2
+"""between two looks at the keyboard; some systems wait for threads with deaf ears"""
+
+
+class RunControl:
+    """Holds, continues and stops runs from other threads than theirs."""
+
+    def __init__(self) -> None:
+        self._going, self._stopped = Event(), Event()
+        self._going.set()
+        self.place: Path | None = None
+        """the file to which the run writes its rows, once it has begun one"""
+        self.total = 0
+        """the steps that the run takes, in the shorter of its sizes"""
+
+    @property
+    def held(self) -> bool:
+        return not self._going.is_set()
+
+    def hold(self) -> None:
+        """Let the run wait after its present batch of steps."""
+        self._going.clear()
+
+    def go_on(self) -> None:
+        self._going.set()
+
+    def stop(self) -> None:
+        """End the run as an interrupt from the keyboard does, also while it is held."""
+        self._stopped.set()
+        self._going.set()
+
+    def begin(self, place: Path | None, total: int) -> None:
+        """Tell of a run that begins: its file and its number of steps."""
+        self.place, self.total = place, total
+
+    def obey(self, before_waiting: Callable[[], object]) -> float:
+        """Wait while the run is held, and return for how long [s]; `KeyboardInterrupt` to end it.
+
+        before_waiting: is called if there is time to be spent.
+        """
+        waited = 0.0
+        if self.held:
+            started = time.perf_counter()
+            before_waiting()
+            while not self._going.wait(SECONDS_PER_LOOK):
+                pass
+            waited = time.perf_counter() - started
+        if self._stopped.is_set():
+            raise KeyboardInterrupt
+        return waited
+
+
+RUN_CONTROL: ContextVar[RunControl | None] = ContextVar("control", default=None)
+"""what controls runs in this thread, beside the keyboard, which interrupts the main thread"""
