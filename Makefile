@@ -103,6 +103,7 @@ benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios m
 docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
 	$(BIN)/python tools/draw_architecture.py
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/python tools/check_site.py build/site
 	@echo "documentation: $(CURDIR)/build/site/index.html; its search needs: python -m http.server -d build/site"
 
 notebooks: $(VENV)/.notebooks ## the notebooks, run, with their pictures, in build/notebooks

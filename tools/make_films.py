@@ -17,7 +17,7 @@ from time import perf_counter
 
 ROOT = Path(__file__).parents[1]
 FILMS = ROOT / "docs" / "images" / "films"
-FILM = ("--size", "320x200", "--frames", "40", "--fps", "12")
+FILM = ("--size", "480x300", "--frames", "40", "--fps", "12")
 OPTIONS = {"flat_rods": ("--magnify", "100")}
 """of films that show too much otherwise: faces that touch would come apart"""
 

@@ -94,6 +94,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         markdown = markdown.replace(COMMANDS, commands())
     if place.startswith("sources/"):
         return markdown
+    if place == "gallery.md":
+        markdown = cards(markdown)
+        page.meta["hide"] = ["navigation", "toc"]  # room for films of 480 px side by side
     beside = {site: name for name, site in ROOT_PAGES.items() if site != "index.md"}
     origin = beside.get(place, f"docs/{place}")
     return LINK.sub(lambda link: _led(link, origin, place), markdown)
@@ -114,6 +117,31 @@ def _led(link: re.Match[str], origin: str, place: str) -> str:
         return link[0]
     here = posixpath.dirname(place) or "."
     return posixpath.relpath(target, here) + (link["anchor"] or "")
+
+
+def cards(markdown: str) -> str:
+    """The tables of the gallery as cards: a film, or the picture where there is none, what it is,
+    and how it is made.
+    """
+    return re.sub(r"^\| film .*\n\|[-|]+\n((?:\|.*\n?)+)", _cards, markdown, flags=re.M)
+
+
+def _cards(table: re.Match[str]) -> str:
+    found = ['<div class="grid cards" markdown>', ""]
+    for row in table[1].splitlines():
+        film, picture, example, command, seconds = (
+            cell.strip() for cell in re.split(r"(?<!\\)\|", row.strip().strip("|"))
+        )
+        pictures = [*re.findall(r"!\[[^]]*\]\([^)]*\)", film), *([picture] if picture else [])]
+        shown = "\n    ".join(pictures)
+        found += [f"-   {shown}", "", f"    {example}", "", f"    {command} · {seconds} s", ""]
+    return "\n".join([*found, "</div>", ""])
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Links of llms.txt lead to pages of the site, as all others do."""
+    path = Path(config.site_dir) / "llms.txt"
+    path.write_text(path.read_text("utf-8").replace(".md)", ".html)"), encoding="utf-8")
 
 
 def commands() -> str:

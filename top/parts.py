@@ -15,7 +15,7 @@ from duhamel.inputs import InputError, Table, quoted, read_part
 from duhamel.preprocess.body.body import PointMass
 from duhamel.preprocess.body.cad import FaceSize
 from duhamel.preprocess.body.damping import Damping
-from duhamel.preprocess.body.impulse import Method, SolverName
+from duhamel.preprocess.body.impulse import DEFAULT_STEPS, Method, SolverName
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
 from duhamel.preprocess.body.selection import InterfaceSelection, Selection, SurfaceSelection
@@ -39,8 +39,6 @@ TABLE_KINDS: dict[str, type[Table]] = {
     "sizes": FaceSize,
 }
 """what body files give by name"""
-DEFAULT_STEPS = 100
-"""steps of sampled impulse responses where no duration is given; modes hold for any duration"""
 
 
 class ImpulseOptions(TypedDict, total=False):

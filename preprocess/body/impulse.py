@@ -12,6 +12,8 @@ SolverName = Literal["auto", "factor", "iterative"]
 TRUNCATED_METHODS: tuple[Method, ...] = ("craig-bampton", "rubin")
 SHORTEST, LONGEST_STEP = 1e-30, 1e6
 """steps [s]"""
+DEFAULT_STEPS = 100
+"""of responses that modes continue for any duration"""
 
 
 class Impulse(Table):
@@ -26,7 +28,7 @@ class Impulse(Table):
     """
 
     step: PositiveFloat
-    steps: PositiveInt
+    steps: PositiveInt = DEFAULT_STEPS
     rho_inf: Annotated[float, Field(ge=0.0, le=1.0)] = 0.9
     method: Method = "auto"
     tolerance: PositiveFloat = 1e-6
@@ -44,6 +46,11 @@ class Impulse(Table):
             raise ValueError(
                 f"band: expected at least {1.0 / LONGEST_STEP:g} Hz, found {self.band:g}"
             )
+
+    @rule
+    def _steps_of_marched(self) -> None:
+        if self.method == "march" and "steps" not in self.model_fields_set:
+            raise ValueError("steps: needed with method march, whose responses end there")
 
     @rule
     def _below_nyquist(self) -> None:

@@ -9,9 +9,12 @@ from ...inputs.names import MAX_NAME_LENGTH
 
 
 class NamedBody(Table):
-    """A body by its file: `Body` is that of a mesh or matrices, `MeasuredBody` that of a test."""
+    """A body by its file: `Body` is that of a mesh or matrices, `MeasuredBody` that of a test.
 
-    name: str
+    name: that of the file, unless given; in Python it must be.
+    """
+
+    name: str = ""
     _text: str = PrivateAttr(default="")
     _as_read: dict[str, Any] = PrivateAttr(default_factory=dict)
 

@@ -28,7 +28,7 @@ def body_schema(tested: bool = False) -> dict[str, Any]:
     --------
     >>> schema = body_schema()
     >>> schema["title"], schema["required"]
-    ('A body file of Duhamel', ['name', 'impulse'])
+    ('A body file of Duhamel', ['impulse'])
     """
     if tested:
         return document_of(MeasuredBody, "A body file of a tested part, of Duhamel")
@@ -37,6 +37,8 @@ def body_schema(tested: bool = False) -> dict[str, Any]:
 
 def read_body(path: str | os.PathLike[str]) -> AnyBody:
     """Read a body file, whose paths start from its folder.
+
+    A body without a name has that of its file.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ def read_body(path: str | os.PathLike[str]) -> AnyBody:
     """
     text = read_text(path, BodyError)
     try:
-        table = parse_toml(text)
+        table = {"name": Path(path).stem, **parse_toml(text)}
         measured = table.get("measured")
         of_test = isinstance(measured, dict) and "frf" in measured
         read: AnyBody = read_part(table, MeasuredBody) if of_test else read_part(table, Body)

@@ -5,7 +5,7 @@ import re
 import pytest
 from import_order import PACKAGES, ROOMS, ROOT
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "docs" / "llms.txt"])
 BASES = ("", "solver", "solver/compiler")
 """Folders that paths of the developers' pages are relative to."""
 

@@ -62,3 +62,9 @@ def test_films_pages_and_files_are_written(names, tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.iterdir()} == {
         *("bar.mp4", "bar.html", "bar.toml", "bar-rod.h5")
     }
+
+
+def test_the_readme_prints_what_it_shows(capsys):
+    code, shown = blocks("../README.md")
+    exec(compile(code.text, "README.md", "exec"), {})
+    assert capsys.readouterr().out.split() == shown.text.split()

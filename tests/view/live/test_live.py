@@ -13,14 +13,13 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from browser import SOFTWARE_WEBGL, browser, executable
 from duhamel import preprocess, solver, superelement
 from duhamel.results import RecoveryError, Results
 from duhamel.results.excerpt import Excerpt
 from duhamel.results.file import FileSource
 from duhamel.view.live.follower import Follower, plots_and_validity, told
 from duhamel.view.live.server import watched
-
-from ..report.browser import SOFTWARE_WEBGL, browser, executable
 
 ROOT = Path(__file__).parents[3]
 MODEL = """

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from browser import NO_WEBGL, SOFTWARE_WEBGL, browser, executable
 from duhamel.view.report import plots
 
-from .browser import NO_WEBGL, SOFTWARE_WEBGL, browser, executable
 from .conftest import EVIL
 
 pytestmark = pytest.mark.skipif(executable() is None, reason="no Chromium")

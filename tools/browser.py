@@ -76,6 +76,18 @@ class Browser:
         answer = self._call("Page.printToPDF", printBackground=True)
         path.write_bytes(base64.b64decode(answer["data"]))
 
+    def emulate(self, width: int, scheme: str, height: int = 900) -> None:
+        """A window of this width [px], and "light" or "dark"."""
+        self._call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
+        feature = {"name": "prefers-color-scheme", "value": scheme}
+        self._call("Emulation.setEmulatedMedia", features=[feature])
+
     def close(self) -> None:
         self._session = ""
         self._call("Browser.close")
