@@ -124,7 +124,7 @@ class Sketch:
 
     def joint(self, a, b):
         """A joint of any kind between bodies a and b; what slides has slid."""
-        kind = str(self.random.choice(PLANAR if self.planar else sorted(JOINTS)))
+        kind = str(self.random.choice(PLANAR if self.planar else sorted(JOINTS.keys() - {"rolling_disc"})))
         point = self.near(b)
         axis, other = direction(self.random), direction(self.random)
         if self.planar:

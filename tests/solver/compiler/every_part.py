@@ -69,6 +69,7 @@ EVERY_JOINT: dict[str, dict[str, Any]] = {
     "constant_velocity": {"axis": AXIS},
     "point_on_line": {"axis": AXIS},
     "point_on_plane": {"axis": AXIS},
+    "rolling_disc": {"axis": AXIS, "second_axis": SECOND, "radius": 0.1},
     "driven revolute": {"axis": AXIS, "angle": Harmonic(0.2, 20.0)},
     "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.0, 4.0))},
     "driven cylindrical": {
