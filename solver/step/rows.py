@@ -28,7 +28,7 @@ from ..compiler.marks import compiled
 from .gaps import Gap
 from .kinds import ROW_KINDS, delta_of, row_kind
 from .records.couplings import Rows
-from .rolling import Touch  # noqa: F401 - its kinds join ROW_KINDS before they are counted
+from .rolling import Touch
 from .system import Workspace
 from .vectors import UNIT_AXES, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
@@ -298,7 +298,7 @@ def _add_rotation_at(a: Vector, b: Vector, factor: float, n: int, H: Array) -> N
 
 LENGTH_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.length)
 SLIP_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.slips)
-ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
+ROTATION, ANGLE, GAP, TOUCH = Rotation.number, Angle.number, Gap.number, Touch.number
 ANGLE_OF_A, ATTITUDE = AngleOfA.number, Attitude.number
 _evaluate = dispatcher(
     "evaluate_kind",
