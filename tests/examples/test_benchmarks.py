@@ -102,8 +102,10 @@ def test_a_skew_hinge_bends_and_twists_the_bars(example):
     ("case", "tolerance"),
     [
         ("sdnd101", 3e-5),  # second order in the step of 1/300 of the contact
+        ("sdnd105", 3e-4),  # the force jumps within a step
         ("sdnd106", 2.6e-3),  # the coefficient of friction falls over 1 mm/s, not in a jump
         ("sdnd122", 1e-5),  # second order in the step of 1/400 of the contact
+        ("sdnl32", 8e-3),  # the reference is a computation, of three digits
         ("sdnl104", 8e-3),  # the reference is a computation itself
         ("sdnv100", 6e-3),  # dispersion by 100 elements, and a stop as soft as four steps
     ],
@@ -131,9 +133,9 @@ def test_a_shaft_runs_up_to_its_critical_speed(example):
 
 def test_a_bicycle_has_the_eigenvalues_of_the_paper(example):
     script = example("benchmarks/bicycle")
-    errors = np.array([script.error(step) for step in (2e-3, 1e-3)])
+    errors = np.array([script.error(step) for step in (1e-3, 5e-4)])
     assert falls_with_the_square_of_the_step(errors)
-    assert errors[-1] < 1.5e-4
+    assert errors[-1] < 4e-5
     assert script.stability_limit(4.2, 4.4, 1e-3) == pytest.approx(script.WEAVE, abs=1e-4)
     assert script.stability_limit(5.9, 6.1, 1e-3) == pytest.approx(script.CAPSIZE, abs=4e-4)
 
