@@ -294,6 +294,8 @@ def main() -> None:
     repeats = parser.parse_args().repeats
     print("| problem | | CPU, us a step | error [m] |", "|---|---|---|---|", sep="\n")
     for problem, programs in problems().items():
+        for measure in programs.values():
+            measure()  # once without counting: first calls load and compile
         runs: dict[str, list[tuple[float, float]]] = {name: [] for name in programs}
         for _ in range(repeats):
             for name, measure in programs.items():

@@ -136,12 +136,16 @@ def bicycle(speed: float, lean_rate: float = 0.0, steer_rate: float = 0.0) -> du
 
 def states_of(run: du.Run) -> Array:
     """Sine of the lean, steer [rad] and their rates [rad/s] (n, 4)."""
-    w, x, y, z = run["frame"].R.T
-    omega, steer = run["frame"].angular_velocity, run["steer"]
-    left = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1)
+    left, steer = left_of(run), run["steer"]
     # The bicycle leans to the right as far as its left side rises.
-    rises = np.cross(omega, left)[:, 2]
+    rises = np.cross(run["frame"].angular_velocity, left)[:, 2]
     return np.stack([left[:, 2], steer.angle, rises, steer.angle_rate], axis=1)
+
+
+def left_of(run: du.Run) -> Array:
+    """The y axis of the frame, which points to the left at the start (n, 3)."""
+    w, x, y, z = run["frame"].R.T
+    return np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1)
 
 
 def error(step: float) -> float:
