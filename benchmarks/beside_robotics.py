@@ -13,6 +13,7 @@ with all states recorded, on one thread.
 import argparse
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -288,12 +289,20 @@ def problems() -> dict[str, dict[str, Measure]]:
     }
 
 
+def is_installed(program: str) -> bool:
+    """Programs that are not are left out."""
+    module = {"MuJoCo": "mujoco", "Drake": "pydrake", "Pinocchio": "pinocchio"}
+    name = program.partition(",")[0].partition(" ")[0]
+    return name not in module or find_spec(module[name]) is not None
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Rigid mechanisms beside robotics programs.")
     parser.add_argument("--repeats", type=int, default=3)
     repeats = parser.parse_args().repeats
     print("| problem | | CPU, us a step | error [m] |", "|---|---|---|---|", sep="\n")
-    for problem, programs in problems().items():
+    for problem, all_programs in problems().items():
+        programs = {name: run for name, run in all_programs.items() if is_installed(name)}
         for measure in programs.values():
             measure()  # once without counting: first calls load and compile
         runs: dict[str, list[tuple[float, float]]] = {name: [] for name in programs}
