@@ -508,14 +508,19 @@ class RollingDisc(JointWithAxis):
 
     def validate(self) -> None:
         super().validate()
-        if abs(self.axis_in_space @ self.second_axis) > FLAT:
+        normal, axle = self.axis_in_space, self._axle
+        if abs(normal @ axle) > FLAT:
             raise self.error(
                 "second_axis: the axle must not be along the normal of the plane, got axis = "
-                f"{self.axis.tolist()}, second_axis = {self.second_axis.tolist()}"
+                f"{normal.tolist()}, second_axis = {axle.tolist()}"
             )
 
+    @property
+    def _axle(self) -> Array:
+        return np.asarray(self.second_axis)
+
     def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
-        axle, numbers = sides.pose_b.R.T @ self.second_axis, [self.radius]
+        axle, numbers = sides.pose_b.R.T @ self._axle, [self.radius]
         return [
             Row(kind.number, sides.frame_a, sides.frame_b, in_a[:, 2], b=axle, parameters=numbers)
             for kind in (Touch, Roll, SideSlip)
@@ -527,8 +532,9 @@ class RollingDisc(JointWithAxis):
 
     def check_opening(self, sides: Sides, limit: float) -> None:
         """`ModelError` where the rim does not touch the plane at the start."""
-        height = float(self.axis @ (sides.pose_b.x - sides.pose_a.x))
-        upright = np.sqrt(1.0 - (self.axis @ self.second_axis) ** 2)
+        normal = self.axis_in_space
+        height = float(normal @ (sides.pose_b.x - sides.pose_a.x))
+        upright = np.sqrt(1.0 - (normal @ self._axle) ** 2)
         opening = height - self.radius * float(upright)
         if abs(opening) > limit:
             first, second = self.between
