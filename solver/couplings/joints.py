@@ -479,12 +479,11 @@ class PointOnPlane(SideDependent, JointWithAxis):
 @JOINTS.in_files("rolling_disc")
 @entry()
 class RollingDisc(JointWithAxis):
-    """A disc, carried by the second frame, whose sharp rim rolls on a plane without slip.
+    """A disc of the second frame whose sharp rim rolls without slip on a plane of the first.
 
-    The plane is that of the first frame, and stays above its whole rim. The multipliers are the
-    normal force, the force along the heading (`second_axis` x `axis`), and that across it [N]. It
-    never lifts off: see `contact` with friction for wheels that do, or that slide. Other
-    parameters: see `Joint`. Source: docs/theory.md, Rolling.
+    It never lifts off: take a `Contact` with friction for wheels that do, or that slide. The
+    multipliers are the normal force, the force along the heading, `second_axis` x `axis`, and that
+    across it [N]. Other parameters: see `Joint`. Source: docs/theory.md, Rolling.
 
     Parameters
     ----------

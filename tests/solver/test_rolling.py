@@ -176,6 +176,19 @@ def test_an_eccentric_wheel_swings_as_in_closed_form():
     assert frequencies.max() == pytest.approx(omega / (2.0 * np.pi), rel=1e-6)
 
 
+def test_an_eccentric_wheel_rolls_to_its_equilibrium():
+    """By R times the angle; the finite steps of the search slip by 3e-4 of the way."""
+    e, angle = 0.1, 0.3
+    m = du.Mechanism(gravity=-G * UP)
+    wheel = du.RigidBody(M, INERTIA, {"axle": [0.0, 0.0, e]})
+    center = [-e * np.sin(angle), 0.0, R - e * np.cos(angle)]
+    body = m.add(wheel, "wheel", position=center, rotation=[0.0, angle, 0.0])
+    m.add(du.joints.RollingDisc(m.ground.frame("floor"), body["axle"], "z", "y", radius=R))
+    run = m.simulate(0.1, step=1e-3, start="equilibrium")
+    np.testing.assert_allclose(run["wheel.axle"].position[-1], [-R * angle, 0.0, R], atol=1e-4)
+    np.testing.assert_allclose(run["wheel"].x[-1, 2], R - e, atol=1e-9)
+
+
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
 def test_the_newton_matrix_of_a_rolling_disc(make_pair, kinds):  # noqa: F811
     joint = RollingDisc("a.i0", "b.i0", AXIS, SECOND + 0.3 * AXIS, name="rim", radius=0.2)
