@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Prismatic,
         Revolute,
         Rod,
+        RollingDisc,
         Screw,
         Spherical,
         Universal,
@@ -181,6 +182,7 @@ __all__ = [
     "RigidBody",
     "RigidSuperelement",
     "Rod",
+    "RollingDisc",
     "SavedState",
     "Sawtooth",
     "Screw",
@@ -247,7 +249,7 @@ if not TYPE_CHECKING:
             ".couplings.joint": "Joint",
             ".couplings.joints": (
                 "JOINTS ConstantVelocity Cylindrical Fixed Planar PointOnLine PointOnPlane "
-                "Prismatic Revolute Rod Screw Spherical Universal"
+                "Prismatic Revolute Rod RollingDisc Screw Spherical Universal"
             ),
             ".couplings.motions": "PrescribedDisplacement PrescribedOrientation PrescribedRotation",
             ".couplings.motors": "Motor",

@@ -63,11 +63,15 @@ def solve(steps: tuple[float, ...]) -> Found:
 
 
 def simulate(step: float) -> du.Run:
+    return mechanism().simulate(T_END, step=step)
+
+
+def mechanism() -> du.Mechanism:
     m = du.Mechanism(gravity=[0.0, -G, 0.0])
     # The rod pulls at the center of mass, so that the inertia of the bob does not matter.
     bob = m.add(du.RigidBody(MASS, [1e-3] * 3), name="bob", position=[-L, 0.0, 0.0])
     m.add(du.joints.Rod(m.ground.frame("pivot"), bob))
-    return m.simulate(T_END, step=step)
+    return m
 
 
 def exact(time: Array) -> Array:

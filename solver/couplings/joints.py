@@ -1,5 +1,6 @@
 """The joints, one class each."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import ClassVar
 
@@ -8,14 +9,15 @@ import numpy as np
 from ..arrays import Array
 from ..schema.entry import entry
 from ..schema.forms import Kinds
-from ..schema.values import NO_ARRAY, Direction, NotZero, OptionalDirection
+from ..schema.values import NO_ARRAY, Direction, NotZero, OptionalDirection, Positive
 from ..signals.attitude import Attitude, Attitudes
 from ..signals.curves import Input
 from ..signals.signal import DrivingSignal, SmoothSignal, is_any
+from ..step.rolling import Roll, SideSlip, Touch
 from ..step.rows import Angle as AngleRow
 from ..step.rows import AngleOfA, Distance, Rotation, Translation
 from ..step.rows import Attitude as AttitudeRow
-from .coupling import length_of
+from .coupling import length_of, side_names
 from .joint import (
     ABOUT_E3,
     ALL_TRANSLATIONS,
@@ -33,6 +35,8 @@ from .joint import (
 )
 from .rows import Row, Sides, Term
 
+FLAT = 1.0 - 1e-9
+"""cosine of the angle between a normal and an axle above which a disc lies flat"""
 JOINTS = Kinds()
 """the classes of joints, by their types in model files"""
 
@@ -470,6 +474,74 @@ class PointOnPlane(SideDependent, JointWithAxis):
 
     translations: ClassVar = (2,)
     free_distances: ClassVar = {"distance": 0, "second_distance": 1}
+
+
+@JOINTS.in_files("rolling_disc")
+@entry()
+class RollingDisc(JointWithAxis):
+    """A disc of the second frame whose sharp rim rolls without slip on a plane of the first.
+
+    It never lifts off: take a `Contact` with friction for wheels that do, or that slide. The
+    multipliers are the normal force, the force along the heading, `second_axis` x `axis`, and that
+    across it [N]. Other parameters: see `Joint`. Source: docs/theory.md, Rolling.
+
+    Parameters
+    ----------
+    axis : (3,)
+        The normal of the plane, which is through the first frame; in space at the start.
+    second_axis : (3,)
+        The axle of the disc, through the second frame; in space at the start.
+    radius : float [m]
+        Of the rim.
+
+    Examples
+    --------
+    >>> RollingDisc("ground.road", "wheel", [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], radius=0.3).radius
+    0.3
+    """
+
+    side_dependent: ClassVar[bool] = True
+
+    second_axis: Direction
+    radius: Positive
+
+    def validate(self) -> None:
+        super().validate()
+        normal, axle = self.axis_in_space, self._axle
+        if abs(normal @ axle) > FLAT:
+            raise self.error(
+                "second_axis: the axle must not be along the normal of the plane, got axis = "
+                f"{normal.tolist()}, second_axis = {axle.tolist()}"
+            )
+
+    @property
+    def _axle(self) -> Array:
+        return np.asarray(self.second_axis)
+
+    def extra_rows(self, sides: Sides, in_a: Array, in_b: Array) -> list[Row]:
+        axle, numbers = sides.pose_b.R.T @ self._axle, [self.radius]
+        return [
+            Row(kind.number, sides.frame_a, sides.frame_b, in_a[:, 2], b=axle, parameters=numbers)
+            for kind in (Touch, Roll, SideSlip)
+        ]
+
+    def loaded_by_moments(self, rows: Sequence[Row]) -> Mapping[str, str]:
+        # The force acts where the rim touches, away from both frames.
+        return dict.fromkeys(side_names(self), self.described)
+
+    def check_opening(self, sides: Sides, limit: float) -> None:
+        """`ModelError` where the rim does not touch the plane at the start."""
+        normal = self.axis_in_space
+        height = float(normal @ (sides.pose_b.x - sides.pose_a.x))
+        upright = np.sqrt(1.0 - (normal @ self._axle) ** 2)
+        opening = height - self.radius * float(upright)
+        if abs(opening) > limit:
+            first, second = self.between
+            raise self.error(
+                f"its rim is {opening:.6g} m above the plane at the start: {second} is "
+                f"{height:.6g} m above {first}, expected {height - opening:.6g}; assemble = true "
+                "would close it"
+            )
 
 
 def bent(basis: Array, second_axis: Array | None) -> Array:

@@ -11,6 +11,7 @@ from ..signals.signal import SmoothSignal
 from ..step.records.contacts import Friction
 from ..step.records.couplings import Couplings, Rows, Terms
 from ..step.records.laws import Laws, Motors, SpinTables
+from ..step.rows import slips
 
 
 def lay_out_rows(rows: Sequence[Row]) -> Rows:
@@ -79,6 +80,7 @@ def lay_out_couplings(
         contact_of=_numbers(contacts),
         switching=as_index(np.flatnonzero(np.array(contacts, bool) | np.array(rub, bool))),
         n_compliant=sum(row.compliant for row in rows),
+        n_by_rate=sum(row.compliant or slips(row.kind) for row in rows),
         range=starts(map(len, couplings)),
         # Forces are recorded on the second frame as the model names it: in a swapped row that is A.
         second=as_index([0 if row.swapped else 6 for row in rows]),

@@ -23,6 +23,8 @@ NO_MEASURE = 1e-300
 # turn of a body on joints in a step over 1 - rho_inf. Beyond, multipliers grow from step to step
 # (docs/theory.md).
 MAX_JOINT_TURN = 0.7
+MAX_WHEEL_TURN = 0.55
+"""the same of a disc that rolls and is on other joints (docs/theory.md)"""
 OFF_AXIS = 0.1
 """part of the lever of a joint across the spin, from which on the joint is off its axis"""
 
@@ -66,7 +68,7 @@ def _kernel_errors(reading: Reading) -> Array:
 
 
 def _joint_turns(reading: Reading) -> Array:
-    """Turns in a step of bodies with a joint off the axis that they spin about at last."""
+    """Turns in a step of wheels, and of bodies with a joint off the axis of their last spin."""
     lowered, subjects, state = reading.lowered, reading.subjects, reading.state
     frames, hinges, jointed = lowered.system.frames, subjects.hinges, subjects.jointed
     # The last spin stands for the run's: extremes keep magnitudes alone.
@@ -74,9 +76,11 @@ def _joint_turns(reading: Reading) -> Array:
     lever = frames.X[hinges]
     lengths = np.linalg.norm(lever, axis=1) * np.linalg.norm(omega, axis=1)
     off_axis = np.linalg.norm(np.cross(omega, lever), axis=1) > OFF_AXIS * lengths
-    counts = np.isin(jointed, frames.body[hinges][off_axis])
+    wheels = np.isin(jointed, subjects.wheels)
+    counts = np.isin(jointed, frames.body[hinges][off_axis]) | wheels
     turns = lowered.longest_step * np.sqrt(state.extremes.spin[jointed]) * counts
-    return _ratio(turns, MAX_JOINT_TURN * (1.0 - lowered.scheme.rho_inf))
+    limits = np.where(wheels, MAX_WHEEL_TURN, MAX_JOINT_TURN)
+    return _ratio(turns / limits, 1.0 - lowered.scheme.rho_inf)
 
 
 def _angular_momenta(reading: Reading) -> Array:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ...superelement import Superelement
 from ..arrays import Array, Index, as_index, distinct
 from ..lower.lower import LoweredModel
-from ..step.rows import ANGLE, GAP
+from ..step.rows import ANGLE, GAP, TOUCH
 
 # [kg/m^3] for bodies whose volume is not known, as of lines
 STEEL_DENSITY = 8000.0
@@ -63,6 +63,7 @@ class Subjects:
         self.carried = self._carried()
         self.hinges = _hinges(lowered)
         self.jointed = distinct(frames.body[self.hinges])
+        self.wheels = self._wheels()
         self.angles = np.flatnonzero(lowered.system.observers.kind == ANGLE)
         self.servos = np.array([motor.is_servo for motor in lowered.model.motors], dtype=bool)
         self.has_modes = bool(elastic.modes.range.any())
@@ -86,6 +87,19 @@ class Subjects:
         first = self.lowered.system.couplings.range[self.contacts]
         flexible = frames.dof[rows.frame_a[first]] >= 0
         return np.flatnonzero((rows.kind[first] == GAP) & flexible)
+
+    def _wheels(self) -> Index:
+        """The bodies that roll without slip, and that another joint holds."""
+        couplings, body = self.lowered.system.couplings, self.lowered.system.frames.body
+        hard, rows = couplings.compliant == 0, couplings.rows
+        ends = [
+            np.stack([self.coupling[hard], body[f[hard]]], 1) for f in (rows.frame_a, rows.frame_b)
+        ]
+        bodies, joints = np.unique(
+            np.unique(np.concatenate(ends), axis=0)[:, 1], return_counts=True
+        )
+        rolling = body[rows.frame_b[hard & (rows.kind == TOUCH)]]
+        return np.intersect1d(rolling, bodies[(joints > 1) & (bodies >= 0)])
 
     def of_interfaces(self, mask: Mask) -> list[str]:
         return [self.lowered.frame_names[f] for f in self.interfaces[mask]]

@@ -2,8 +2,8 @@
 
 The wrench of a row on its frames is lambda times its gradient, for L + lambda^T phi. The row of a
 joint must vanish, phi = c (less the driven distance or angle; a driven rotation row turns its axis
-instead, and that of an attitude has a driven axis). Rows of couplers have further terms (terms.py).
-The row of a spring obeys
+instead, and that of an attitude has a driven axis). Where a joint forbids slip there is no c, and
+phi = h dc/dt. Rows of couplers have further terms (terms.py). The row of a spring obeys
 
     phi_i = lambda_i + sum_j (stiffness_ij (c_j - rest_j) + damping_ij dc_j/dt)
             + laws_i(c_i - rest_i, dc_i/dt) = 0
@@ -158,10 +158,22 @@ def add_coupling_scales(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
+def _steps(work: Workspace) -> bool:
+    """Whether time passes: not at the start, nor in the search for an equilibrium."""
+    elapsed: float = work.couplings.elapsed[0]
+    return 0.0 < elapsed < math.inf
+
+
+@compiled
 def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> None:
-    """phi = c - s of a driven length or angle, c elsewhere; d phi / d s of the drive."""
+    """phi = c - s of a driven length or angle, h dc/dt of slip, c elsewhere; d phi / d s of the
+    drive.
+    """
     out = work.couplings
     out.phi[i] = out.coordinate[i]
+    if slips(couplings.rows.kind[i]):
+        # At rest nothing slips, whatever the pose.
+        out.phi[i] = out.elapsed[0] * out.rate[i] if _steps(work) else 0.0
     d = couplings.drive[i]
     if d < 0:
         return
@@ -232,7 +244,7 @@ def linearize_couplings(system: System, state: State, work: Workspace) -> None:
         out.tangent[:] = 0.0
         for i in range(first, last):
             pull_back_pair(frames, pair, out.gradient[i], state, work, out.B[i])
-            if couplings.compliant[i]:
+            if couplings.compliant[i] or slips(rows.kind[i]):
                 _set_rate_derivative(couplings, frames, i, state, work)
             angle = driven_angle(couplings, i, work)
             add_row_tangent(rows, i, angle, state.couplings.lam[i], work, out.tangent)
@@ -289,15 +301,17 @@ def _set_row_tangent(couplings: Couplings, i: int, work: Workspace) -> None:
 def _set_residual_derivative(
     couplings: Couplings, i: int, first: int, last: int, h: float, state: State, work: Workspace
 ) -> None:
-    """A[i] = B[i] of a constraint; h^2 (stiffness B + damping B_rate)[i] of a force law.
+    """A[i] = B[i] of a constraint, h B_rate[i] of slip; h^2 (stiffness B + damping B_rate)[i] of a
+    force law.
 
     The slopes of the law of the row alone join the diagonal of stiffness and damping.
     """
     derivatives, laws = work.couplings, couplings.laws
     out = derivatives.A[i]
     if not couplings.compliant[i]:
+        rolls = slips(couplings.rows.kind[i]) and _steps(work)
         for z in range(24):
-            out[z] = derivatives.B[i, z]
+            out[z] = h * derivatives.B_rate[i, z] if rolls else derivatives.B[i, z]
         return
     out[:] = 0.0
     _, slope, rate_slope, _ = law_of_row(laws, i, state, work)

@@ -83,7 +83,7 @@ def linearize(system: System, state: State, work: Workspace) -> None:
     """B and A of all rows, and K alone in the matrix, at the state of the last `evaluate`."""
     frames, pattern = system.frames, system.pattern
     # Force laws and drag alone depend on velocities.
-    if system.couplings.n_compliant or system.loads.n_by_velocity:
+    if system.couplings.n_by_rate or system.loads.n_by_velocity:
         map_frame_velocities(frames, system.scheme.gamma_prime, state, work)
     work.matrix.S[:] = 0.0
     add_frame_tangents(frames, pattern, state, work)

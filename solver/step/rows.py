@@ -16,8 +16,8 @@ Lengths and angles are measured from a zero, which is subtracted from them.
 A wrench lambda times the gradient changes, at constant lambda, by lambda times the tangent H (12,
 12) of the row: with N(a, b) = skew(b) skew(a) = a b^T - (a . b) I, d(a x b) = N dtheta_A - N^T
 dtheta_B. Second derivatives in time follow from gradient and tangent (couplings.py). A kind of row
-is a class with `@row_kind`; those of contacts are in gaps.py. Source: docs/theory.md, Frames,
-joints, loads.
+is a class with `@row_kind`; those of contacts are in gaps.py, those of discs in rolling.py. Source:
+docs/theory.md, Frames, joints, loads.
 """
 
 import math
@@ -28,6 +28,7 @@ from ..compiler.marks import compiled
 from .gaps import Gap
 from .kinds import ROW_KINDS, delta_of, row_kind
 from .records.couplings import Rows
+from .rolling import Touch
 from .system import Workspace
 from .vectors import UNIT_AXES, Vector, add, cross, dot, rotate, row, scale, subtract, triple
 
@@ -297,7 +298,7 @@ def _add_rotation_at(a: Vector, b: Vector, factor: float, n: int, H: Array) -> N
 
 LENGTH_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.length)
 SLIP_KINDS = tuple(kind.number for kind in ROW_KINDS if kind.slips)
-ROTATION, ANGLE, GAP = Rotation.number, Angle.number, Gap.number
+ROTATION, ANGLE, GAP, TOUCH = Rotation.number, Angle.number, Gap.number, Touch.number
 ANGLE_OF_A, ATTITUDE = AngleOfA.number, Attitude.number
 _evaluate = dispatcher(
     "evaluate_kind",

@@ -226,6 +226,7 @@ JOINTS: dict[str, dict[str, Any]] = {
     "constant_velocity": AXIS,
     "point_on_line": AXIS,
     "point_on_plane": AXIS,
+    "rolling_disc": AXIS | {"second_axis": [1, 0, 0], "radius": 1.0},
 }
 LOADS: dict[str, dict[str, Any]] = {
     "force": {"direction": [0, 0, 1], "signal": 1.0},

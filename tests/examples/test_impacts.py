@@ -304,3 +304,16 @@ def test_what_stays_after_a_blow_is_as_published(example, tmp_path):
     assert np.mean([angle[-400:].min(), angle[-400:].max()]) == pytest.approx(bent[0], rel=1e-3)
     _, lost, exact = found["bolt"]
     np.testing.assert_allclose(lost, exact, rtol=0.01)
+
+
+def test_the_law_fitted_to_one_measured_restitution_follows_the_others(example):
+    """Of frosted ice, e = 0.34 (v / 1 cm/s)^-0.234 (Bridges, Hatzes and Lin 1984)."""
+    thornton, yields = (
+        getattr(example("permanent_deformation"), n) for n in ("thornton", "yield_speed")
+    )
+    # The law knows the speed over that of yield alone.
+    ratio = brentq(lambda ratio: thornton(ratio * yields()) - 0.34, 2.0, 1e4)
+    assert ratio == pytest.approx(147.1, abs=0.1)
+    for speed in (0.1, 0.3, 3.0, 5.0):
+        measured = 0.34 * speed**-0.234
+        assert thornton(speed * ratio * yields()) == pytest.approx(measured, rel=0.031)

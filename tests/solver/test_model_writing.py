@@ -218,6 +218,7 @@ def everything(random_element, tmp_path):
         driven = [only[name]] if name in only else sorted(smooth.keys() & vars(kind).keys())
         given = given | {drive: smooth[drive] for drive in driven}
         given |= {"lead": 0.02} if name == "screw" else {}
+        given |= {"radius": 0.3} if name == "rolling_disc" else {}
         given |= {"reference_coordinates": {"angle": 0.25}} if name == "cylindrical" else {}
         if name == "planar":
             given["start"] = {"angle": 1.0 / 3.0}

@@ -47,6 +47,7 @@ FEW = (1, 9, 16, 17, 29)
 """17 has a torsion spring in a closed loop"""
 MANY = range(200)
 PLANAR = ("revolute", "prismatic", "planar")
+LOWER_PAIRS = sorted(JOINTS.keys() - {"rolling_disc"})
 SLIDING = ("cylindrical", "prismatic", "screw", "point_on_line")
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -124,7 +125,7 @@ class Sketch:
 
     def joint(self, a, b):
         """A joint of any kind between bodies a and b; what slides has slid."""
-        kind = str(self.random.choice(PLANAR if self.planar else sorted(JOINTS)))
+        kind = str(self.random.choice(PLANAR if self.planar else LOWER_PAIRS))
         point = self.near(b)
         axis, other = direction(self.random), direction(self.random)
         if self.planar:

@@ -74,6 +74,8 @@ class Couplings(Struct):
     """couplings that open and close, or stick and slip"""
     n_compliant: int
     """number of rows that obey a force law"""
+    n_by_rate: int
+    """number of rows with residuals by their rates: force laws, and slip that is forbidden"""
     range: Index = array("n_j_1")
     """first row of each coupling"""
     second: Index = array("n_i")

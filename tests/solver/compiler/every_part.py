@@ -69,6 +69,7 @@ EVERY_JOINT: dict[str, dict[str, Any]] = {
     "constant_velocity": {"axis": AXIS},
     "point_on_line": {"axis": AXIS},
     "point_on_plane": {"axis": AXIS},
+    "rolling_disc": {"axis": AXIS, "second_axis": SECOND, "radius": 0.1},
     "driven revolute": {"axis": AXIS, "angle": Harmonic(0.2, 20.0)},
     "driven prismatic": {"axis": AXIS, "distance": Polynomial((0.0, 0.0, 4.0))},
     "driven cylindrical": {
@@ -173,7 +174,7 @@ def make_model() -> Model:
     joints = []
     for name, given in EVERY_JOINT.items():
         body = add_body(name.replace(" ", "_"))
-        support = "ground.post" if name == "rod" else "ground"
+        support = {"rod": "ground.post", "rolling_disc": "ground.floor"}.get(name, "ground")
         joints.append(
             JOINTS[name.removeprefix("driven ")](support, f"{body}.i0", name=name, **given)
         )
@@ -210,7 +211,7 @@ def make_model() -> Model:
         ),
         settings=Settings(t_end=STEPS * H, step=H, rho_inf=0.8),
         gravity=[0.0, 0.0, -9.81],
-        ground_frames={"post": Frame([0.3, 0.2, 0.1])},
+        ground_frames={"post": Frame([0.3, 0.2, 0.1]), "floor": Frame(-0.1 * AXIS)},
     )
 
 

@@ -43,7 +43,7 @@ from ..linkages import n_axes
 
 GROUND = "ground"
 STEP, STEPS = 5e-4, 24
-KINDS = sorted(JOINTS.keys() - {"rod"})
+KINDS = sorted(JOINTS.keys() - {"rod", "rolling_disc"})
 """of joints between frames in one place, where a rod has no direction"""
 ROUNDED = 1e-6
 """[m] a gap that rounding does not close"""
