@@ -4,8 +4,6 @@ The references of ROSS are those of ross-rotordynamics 2.3.0 for the rotor of Fr
 (2010), example 5.9.1: six Timoshenko elements, two disks, bearings at the ends; rad/s and m.
 """
 
-from dataclasses import replace
-
 import duhamel as du
 import numpy as np
 import pytest
@@ -25,6 +23,8 @@ from duhamel.solver import (
 )
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+
+from .two_disks import steel_shaft, two_disks
 
 MASS, DIAMETRAL, POLAR = 10.0, 0.1, 0.2
 K, C = np.array([[1e5, 2e4], [-2e4, 2e5]]), np.array([[60.0, 5.0], [0.0, 90.0]])
@@ -253,48 +253,9 @@ def test_what_rotors_refuse(change, message):
         rotor_at(model, 50.0)
 
 
-def test_a_bearing_to_a_housing_is_refused_which_would_spin_with_the_shaft():
-    model = hub_rotor(stiffness=1e5)
-    inner = Bearing("inner", ["housing", "disk"], [0.0, 0.0, 1.0], 1e5)
-    bodies = {**model.bodies, "housing": RigidBody(5.0, [0.1, 0.1, 0.2])}
-    model = replace(model, bodies=bodies, bearings=[*model.bearings, inner])
-    for analysis in (rotor_at, floquet):
-        with pytest.raises(ModelError, match="'inner': between: expected a support on the ground"):
-            analysis(model, 50.0)
-
-
 @pytest.fixture(scope="module")
 def shaft():
-    """1.5 m of steel of 50 mm, with the shear factor of ROSS."""
-    E, G, rho, d = 211e9, 81.2e9, 7810.0, 0.05
-    A, J, shear = np.pi * d**2 / 4.0, np.pi * d**4 / 64.0, 0.8863063567628116
-    section = du.Section(
-        EA=E * A, EI_y=E * J, EI_z=E * J, GJ=2.0 * G * J, GA_y=shear * G * A, GA_z=shear * G * A,
-        mass_per_length=rho * A, rotary_inertia_y=rho * J, rotary_inertia_z=rho * J,
-        polar_inertia_per_length=2.0 * rho * J,
-    )  # fmt: skip
-    part = du.Beam([[x, 0.0, 0.0] for x in np.linspace(0.0, 1.5, 7)], section=section)
-    for name, x in {"left": 0.0, "one": 0.5, "two": 1.0, "right": 1.5}.items():
-        part.interface(name, [x, 0.0, 0.0])
-    part.rotation(modes=8, soft=8)
-    return part.superelement(step=1e-4)
-
-
-def two_disks(shaft, stiffness, damping):
-    m = du.Mechanism()
-    left, right = m.ground.frame("left"), m.ground.frame("right", [1.5, 0.0, 0.0])
-    rotor = m.add(shaft, name="shaft", place={"left": left}, second_order="full")
-    for name, diameter in {"one": 0.28, "two": 0.35}.items():
-        rho, d, width = 7810.0, 0.05, 0.07
-        mass = rho * width * np.pi / 4.0 * (diameter**2 - d**2)
-        polar = mass / 8.0 * (diameter**2 + d**2)
-        inertia = [polar, *[0.5 * polar + mass * width**2 / 12.0] * 2]
-        disk = m.add(du.RigidBody(mass, inertia), name=name, place={"": rotor[name]})
-        m.add(du.joints.Fixed(rotor[name], disk))
-    for name, support in {"left": left, "right": right}.items():
-        m.add(du.springs.bearing(support, rotor[name], "x", stiffness=stiffness, damping=damping,
-                                 second_axis="y", name=name))  # fmt: skip
-    return m
+    return steel_shaft()
 
 
 @pytest.mark.parametrize("case", ROSS)
