@@ -47,6 +47,7 @@ UNSUPPORTED = {
     **dict.fromkeys(("kzz", "czz"), "a bearing acts across its axis alone"),
 }
 _HEADER = re.compile(r"\s*([^\[\](]*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
+"""a name, and a unit in brackets of either kind"""
 
 
 class BearingTable(NamedTuple):
@@ -147,7 +148,8 @@ def _of_csv(path: str, dimensionless: bool) -> dict[str, Array]:
 
 def _parsed(header: str) -> tuple[str, str | None]:
     """The name in a header, as ROSS spells it, and the unit; None where there is none."""
-    name, square, round_ = _HEADER.match(header).groups()  # type: ignore[union-attr]
+    found = _HEADER.fullmatch(header)
+    name, square, round_ = found.groups() if found else (header, None, None)
     name = name.lower().replace("_", "")
     if re.fullmatch("[kcm][12]{2}", name):
         name = name.translate(str.maketrans("12", "xy"))
