@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 ROOT = Path(__file__).parent.parent
-BODY = ROOT / "meshes/shaft/two_disks.toml"
+BODY = ROOT / "meshes/shaft/long.toml"
 MODEL = ROOT / "examples/oil_whip.toml"
 TABLE = ROOT / "examples/oil_whip.csv"
 NAMES = "kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy"
@@ -91,8 +91,10 @@ def short_bearing(e: Array) -> tuple[Array, Array]:
         -8.0 * cross,
         2.0 * np.pi * (pi2 * (1.0 - square) ** 2 + 48.0 * square) / (e * root),
     ])  # fmt: skip
-    numbers = (DIAMETER / WIDTH) ** 2 * (1.0 - square) ** 2 / (
-        np.pi * e * np.sqrt(pi2 * (1.0 - square) + 16.0 * square)
+    numbers = (
+        (DIAMETER / WIDTH) ** 2
+        * (1.0 - square) ** 2
+        / (np.pi * e * np.sqrt(pi2 * (1.0 - square) + 16.0 * square))
     )
     return numbers, (h * coefficients).T
 
@@ -128,8 +130,8 @@ class Reference:
         body = preprocess.read_body(BODY)
         masses = {}
         for node, name in ((ONE, "one"), (TWO, "two")):
-            polar, diametral, _ = np.diag(body.masses[name].inertia)
-            masses[node] = (body.masses[name].mass, polar, diametral)
+            disk = self.model.bodies[name]
+            masses[node] = (disk.mass, disk.inertia[0, 0], disk.inertia[1, 1])
         return rotor_matrices(body.section, L, ELEMENTS, masses)
 
     @cached_property
@@ -330,7 +332,7 @@ class RunUp:
 
 
 def run_up(model: solver.Model, reference: Reference, target: Path) -> RunUp:
-    (drive,) = model.joints
+    (drive,) = [joint for joint in model.joints if joint.name == "motor"]
     angle = Polynomial(drive.angle.coefficients)
     results = solver.simulate(model, output=target)
     time = results.time
@@ -351,6 +353,8 @@ def draw_linear(found: Linear) -> Figure:
     figure, (campbell, growth, orbit) = view.panels(3)
     blue, red, *_ = view.COLORS
     for line in found.diagram.lines:
+        if line.whirl == "none":  # along the axis and about it
+            continue
         color = {"forward": blue, "backward": red}.get(line.whirl, "0.6")
         campbell.plot(SPINS, line.frequencies, color=color, label=line.whirl)
     campbell.plot(SPINS, SPINS / (2.0 * np.pi), color="0.7", linewidth=0.7, label="spin")
@@ -424,7 +428,8 @@ def report(linear: Linear, run: RunUp) -> None:
     seen = np.fft.rfftfreq(int(late.sum()), run.time[1] - run.time[0])[spectrum.argmax()]
     print(
         f"whirl at the end            {seen:.1f} Hz at a spin of "
-        f"{run.speed[-1] / (2.0 * np.pi):.1f} Hz, {1e6 * np.abs(run.journal).max():.1f} um in the films"
+        f"{run.speed[-1] / (2.0 * np.pi):.1f} Hz, "
+        f"{1e6 * np.abs(run.journal).max():.1f} um in the films"
     )
     print(f"run up                      disks within {run.error:.2e} of their peak")
 

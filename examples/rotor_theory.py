@@ -24,7 +24,10 @@ XI, WEIGHTS = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
 def rotor_matrices(
     section: Any, length: float, elements: int, masses: Mapping[int, tuple[float, float, float]]
 ) -> tuple[Array, Array, Array]:
-    """M, G, K (n, n) of a beam with disks: mass, polar and diametral inertia by number of a node."""
+    """M, G, K (n, n) of a beam with disks.
+
+    masses: mass, polar and diametral inertia by the number of a node.
+    """
     M = section.mass_per_length * _integral(0, length, elements)
     M += section.rotary_inertia_y * _integral(1, length, elements)
     G = section.polar_inertia_per_length * _integral(1, length, elements)

@@ -41,7 +41,7 @@ MODES = 6
 class Shaft:
     """Finite elements of the rotor in axes fixed in space, see rotor_theory.py:
 
-        M w'' + (C - i spin G) w' + K w = force
+    M w'' + (C - i spin G) w' + K w = force
     """
 
     model: solver.Model

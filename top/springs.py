@@ -168,7 +168,7 @@ def bearing(
         damping=damping,
         speeds=speeds,
         second_axis=second_axis,
-        table=table,
+        table=None if table is None else os.fspath(table),
         film=film or {},
     )
 

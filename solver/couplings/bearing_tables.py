@@ -51,7 +51,7 @@ _HEADER = re.compile(r"\s*([^\[\](]*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
 
 class BearingTable(NamedTuple):
-    """Speeds (n,) [rad/s], and rows 11, 12, 21, 22 of stiffness [N/m] and damping [N s/m] (n, 4)."""
+    """Speeds (n,) [rad/s], stiffness and damping (n, 4) [N/m, N s/m], as 11, 12, 21, 22."""
 
     speeds: Array
     stiffness: Array
@@ -192,7 +192,7 @@ def _of_ross(path: str) -> dict[str, Array]:
         content: Any = json.loads(text) if path.lower().endswith(".json") else parse_toml(text)
     except (ValueError, RecursionError, InputError) as error:
         raise ModelError(f"file: {path}: not a readable file: {error}") from error
-    tables = {"": content} | content if isinstance(content, Mapping) else {}
+    tables = {"": content, **content} if isinstance(content, Mapping) else {}
     bearings = {k: v for k, v in tables.items() if isinstance(v, Mapping) and "kxx" in v}
     if len(bearings) != 1:
         found = ", ".join(map(quoted, bearings)) or "none"

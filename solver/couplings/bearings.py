@@ -62,8 +62,8 @@ class Bearing(Entry, Coupling):
     axis : (3,)
         Of the shaft, in space at the start. A positive spin turns e_1 to e_2.
     stiffness, damping : float, (2,), (2, 2), or with speeds (n, 4) [N/m; N s/m]
-        Left out where a table gives them. Along e_1, e_2; entry (i, k) is the force against e_i by a displacement or rate along e_k.
-        The rows of a table have the entries 11, 12, 21, 22.
+        Along e_1, e_2; entry (i, k) is the force against e_i by a displacement or rate along e_k.
+        Rows over speeds have the entries 11, 12, 21, 22. Left out where a table gives them.
     second_axis : (3,), optional
         e_1, across `axis`. By default nearest to the x axis of the support (to its y axis where x
         is within 26 degrees of the axis).
@@ -144,9 +144,7 @@ class Bearing(Entry, Coupling):
 
     def _check_film(self) -> None:
         if set(self.film) != set(FILM_KEYS):
-            raise self.error(
-                f"film: expected {', '.join(FILM_KEYS)}, got {', '.join(self.film)}"
-            )
+            raise self.error(f"film: expected {', '.join(FILM_KEYS)}, got {', '.join(self.film)}")
         for key, value in self.film.items():
             if not value > 0.0:
                 raise self.error(f"film: {key}: expected a number above 0, got {value:g}")

@@ -263,6 +263,7 @@ def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
         raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
     axes = rotor_axes(model)
     ratios = speed_ratios(model, model.settings.steady_rotation)
+    speeds = {GROUND: 0.0, **ratios}
     for bearing in model.bearings:
         along = float(bearing.axis @ axes.axis)
         if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
@@ -270,7 +271,7 @@ def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
                 f"axis: expected that of the rotor, {axes.axis.tolist()}, "
                 f"got {bearing.axis.tolist()}"
             )
-        support, shaft = ({GROUND: 0.0, **ratios}[side.partition(".")[0]] for side in bearing.between)
+        support, shaft = (speeds[side.partition(".")[0]] for side in bearing.between)
         bearing.coefficients((shaft - support) * spin * float(np.sign(along)))
     gravity = (model.gravity @ axes.axis) * axes.axis
     model = replace(model.without_surfaces(), gravity=gravity)

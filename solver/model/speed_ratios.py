@@ -39,9 +39,8 @@ def _groups(model: Model) -> list[list[str]]:
             continue
         old, new = group[first], group[second]
         group = {name: new if its == old else its for name, its in group.items()}
-    return [
-        [name for name in group if group[name] == leader] for leader in dict.fromkeys(group.values())
-    ]
+    leaders = dict.fromkeys(group.values())
+    return [[name for name in group if group[name] == leader] for leader in leaders]
 
 
 def _of_group(model: Model, group: list[str], given: Mapping[str, float]) -> dict[str, float]:

@@ -273,7 +273,8 @@ class _Search:
             return
         for group in self.free:
             force = self.work.bodies.residual[group, :3].sum(axis=0)
-            weight = np.tensordot(self.system.bodies.mass[group], self.motion.acceleration[group], 1)
+            masses = self.system.bodies.mass[group]
+            weight = np.tensordot(masses, self.motion.acceleration[group], 1)
             # The centrifugal stiffness is that of the group's mass; along the axis it is zero,
             # hence pinv.
             self.state.bodies.x[group] -= np.linalg.pinv(weight) @ force

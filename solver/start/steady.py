@@ -12,9 +12,9 @@ bodies turn is stepped exactly as it is.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..model.settings import SteadyRotation
@@ -100,12 +100,10 @@ def _axis_and_speeds(rotation: SteadyRotation, ratios: Array) -> tuple[Array, Ar
     return axis, speed * ratios
 
 
-def _turned(factor: NDArray[np.complex128], axis: Array) -> Array:
+def _turned(factor: Any, axis: Array) -> Array:
     """Matrices that multiply by complex numbers (n,) in the plane across an axis (n, 3, 3)."""
     x, y, z = axis
     across = np.eye(3) - np.outer(axis, axis)
     ahead = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrices: Array = np.multiply.outer(factor.real, across) + np.multiply.outer(
-        factor.imag, ahead
-    )
+    matrices: Array = np.multiply.outer(factor.real, across) + np.multiply.outer(factor.imag, ahead)
     return matrices

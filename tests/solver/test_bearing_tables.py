@@ -11,7 +11,6 @@ from duhamel.solver import (
     Frame,
     Model,
     ModelError,
-    RigidBody,
     read_model,
     rotor_at,
     write_model,
@@ -86,7 +85,8 @@ def test_a_table_is_the_same_in_every_unit_and_format(tmp_path, name, text):
 
 def test_cross_coupling_that_is_left_out_is_none(tmp_path):
     path = tmp_path / "plain.csv"
-    path.write_text("speed [rpm], kxx, kyy, cxx, cyy, note\n0, 1e6, 2e6, 10, 20, a\n60, 1, 2, 3, 4, b")
+    rows = ["speed [rpm], kxx, kyy, cxx, cyy, note", "0, 1e6, 2e6, 10, 20, a", "60, 1, 2, 3, 4, b"]
+    path.write_text("\n".join(rows))
     found = film(path)
     np.testing.assert_allclose(found.speeds, [0.0, 2.0 * np.pi])
     np.testing.assert_array_equal(found.stiffness, [np.diag([1e6, 2e6]), np.diag([1.0, 2.0])])
@@ -150,7 +150,8 @@ def test_a_model_names_a_table_beside_it_and_is_written_with_its_numbers(tmp_pat
     plain = Bearing("film", ["ground.hub", "disk"], [0.0, 0.0, 1.0],
                     np.reshape(np.mean(STIFFNESS[:2], axis=0), (2, 2)),
                     np.reshape(np.mean(DAMPING[:2], axis=0), (2, 2)))  # fmt: skip
-    expected = rotor_at(Model(model.bodies, bearings=[plain], ground_frames={"hub": Frame()}), 150.0)
+    constant = Model(model.bodies, bearings=[plain], ground_frames={"hub": Frame()})
+    expected = rotor_at(constant, 150.0)
     np.testing.assert_allclose(
         rotor_at(model, 150.0).modes().values, expected.modes().values, rtol=1e-12, atol=1e-9
     )
@@ -172,7 +173,7 @@ HEADER = "speed, " + ", ".join(NAMES)
     ("name", "text", "message"),
     [
         ("a.csv", f"{HEADER}\n0, {ONE}\n9, {ONE.replace('1e6', 'soft')}",
-         r"bearing 'film': table: file: .*a.csv: line 3, column 'kxx': expected a number, found 's"),
+         r"bearing 'film': table: file: .*a.csv: line 3, column 'kxx': expected a number, found"),
         ("a.csv", f"{HEADER}\n0, {ONE}\n9, 1, 2",
          r"a.csv: line 3, column 'k..': expected a number, found nothing"),
         ("a.csv", f"{HEADER}\n9, {ONE}\n0, {ONE}",
@@ -186,7 +187,8 @@ HEADER = "speed, " + ", ".join(NAMES)
          r"column 'kxx \[N\]': expected a unit of stiffness, N/m, .*, found 'N'"),
         ("a.csv", f"{HEADER.replace('speed', 'speed [m/s]')}\n0, {ONE}\n9, {ONE}",
          r"expected a unit of speed, rad/s, rpm, Hz, found 'm/s'"),
-        ("a.csv", f"{HEADER.replace('kxy', 'k11')}\n0, {ONE}\n9, {ONE}", "more than one column is kxx"),
+        ("a.csv", f"{HEADER.replace('kxy', 'k11')}\n0, {ONE}\n9, {ONE}",
+         "more than one column is kxx"),
         ("a.csv", f"{HEADER}, mxx\n0, {ONE}, 0\n9, {ONE}, 2",
          "column mxx: expected zeros, for added masses are not supported"),
         ("a.csv", "sommerfeld, kxx, kyy, cxx, cyy\n1, 1, 1, 1, 1\n2, 1, 1, 1, 1",
@@ -197,7 +199,7 @@ HEADER = "speed, " + ", ".join(NAMES)
          "a.toml: BearingElement_film.kxx: row 2: expected a number, found 'x'"),
         ("a.toml", ROSS.replace("[ 1000.0, 1200.0, 1100.0,]", "[1000.0]"),
          "a.toml: expected arrays of one length, found cxx 1, cxy 3"),
-        ("a.toml", ROSS + ROSS.replace("_film", "_seal"), "found 'BearingElement_film', 'BearingEl"),
+        ("a.toml", ROSS + ROSS.replace("_film", "_seal"), "found 'BearingElement_film', 'Bearing"),
         ("a.toml", ROSS.replace("kzz = [ 0, 0, 0,]", "kzz = [ 0, 0, 5,]"),
          "column kzz: expected zeros, for a bearing acts across its axis alone"),
         ("a.toml", "x = ", "a.toml: not a readable file: not a TOML file"),
@@ -216,7 +218,7 @@ def test_what_a_table_refuses(tmp_path, name, text, message):
     [
         ({"stiffness": 1e6}, "expected a table, or stiffness, damping and speeds, not both"),
         ({"damping": 1.0}, "expected a table, or stiffness, damping and speeds, not both"),
-        ({"film": {"load": 1.0}}, "film: expected load, clearance, viscosity, length, diameter, got"),
+        ({"film": {"load": 1.0}}, "film: expected load, clearance, .*, diameter, got load"),
         ({"film": FILM | {"load": 0.0}}, "film: load: expected a number above 0, got 0"),
         ({"film": FILM}, "expected a column sommerfeld, for film is given"),
         ({"table": None, "film": FILM}, "film: expected a dimensionless table with it"),

@@ -43,6 +43,7 @@ def two_disks(shaft, stiffness, damping, pedestals=None):
 def pedestal(m, name, ground, mass, stiffness, damping):
     """A block on springs, whose rotations and motion along the shaft nothing of the rotor moves."""
     block = m.add(du.RigidBody(mass, [1.0, 2.0, 3.0]), name=f"pedestal {name}", place={"": ground})
-    m.add(du.springs.bushing(ground, block, axis="x", second_axis="y", name=f"mount {name}",
-                             stiffness=[*stiffness, *[1e6] * 4], damping=[*damping, *[0.0] * 4]))  # fmt: skip
+    rest = {"axis": "x", "second_axis": "y", "name": f"mount {name}"}
+    stiffness, damping = [*stiffness, *[1e6] * 4], [*damping, *[0.0] * 4]
+    m.add(du.springs.bushing(ground, block, stiffness=stiffness, damping=damping, **rest))
     return block
