@@ -253,6 +253,61 @@ def test_what_rotors_refuse(change, message):
         rotor_at(model, 50.0)
 
 
+@pytest.mark.parametrize("spin", [0.0, -5.0, np.nan, np.inf])
+def test_a_rotor_that_does_not_spin_forward_is_refused(spin):
+    with pytest.raises(ModelError, match=r"rotor: expected a spin above 0 rad/s, got "):
+        rotor_at(hub_rotor(stiffness=1e5), spin)
+    for analysis in (stability_map, campbell):
+        with pytest.raises(ModelError, match="spins: expected numbers"):
+            analysis(hub_rotor(stiffness=1e5), [-5.0, 50.0])
+
+
+@pytest.mark.parametrize(("spin", "row"), [(100.0, 0), (400.0, -1)])
+def test_a_table_holds_up_to_its_ends(spin, row):
+    films = [[1e5, 2e4, -2e4, 1e5], [2e5, 3e4, -3e4, 3e5]]
+    table = {"speeds": [100.0, 400.0], "stiffness": films, "damping": [[9.0, 0.0, 0.0, 8.0]] * 2}
+    plain = {"stiffness": np.reshape(films[row], (2, 2)), "damping": [9.0, 8.0]}
+    found, expected = (
+        rotor_at(rigid_rotor(**film), spin).modes().values for film in (table, plain)
+    )
+    np.testing.assert_array_equal(found, expected)
+    for beyond in (99.99, 400.01):
+        with pytest.raises(ModelError, match="is beyond its table, from 100 to 400"):
+            rotor_at(rigid_rotor(**table), beyond)
+
+
+def test_a_free_rotor_nutates_at_the_ratio_of_its_inertias():
+    disk = RigidBody(MASS, [DIAMETRAL, DIAMETRAL, POLAR])
+    rotation = SteadyRotation([0.0, 0.0, 1.0])
+    model = Model({"disk": disk}).with_settings(start="equilibrium", steady_rotation=rotation)
+    values = rotor_at(model, 70.0).modes().values
+    turning = values[np.abs(values) > 1e-3]
+    np.testing.assert_allclose(turning, [70.0j * POLAR / DIAMETRAL], rtol=1e-9, atol=1e-6)
+
+
+def test_damping_along_one_direction_alone():
+    model = hub_rotor(stiffness=[1e5, 2e5], damping=[120.0, 0.0])
+    values = rotor_at(model, 50.0).modes().values
+    for stiffness, damping in ((1e5, 120.0), (2e5, 0.0)):
+        rate = 0.5 * damping / MASS
+        expected = -rate + 1j * np.sqrt(stiffness / MASS - rate**2)
+        assert np.abs(values - expected).min() < 1e-7 * abs(expected)
+
+
+def test_a_region_of_instability_begins_and_ends():
+    """Cross coupling that rises to 200 rad/s and falls again, beyond c_e sqrt(k / m) between."""
+    stiffness, damping, most = 1e5, 120.0, 2e4
+    model = hub_rotor(
+        speeds=[0.0, 200.0, 400.0],
+        stiffness=[[stiffness, s, -s, stiffness] for s in (0.0, most, 0.0)],
+        damping=[[damping, 0.0, 0.0, damping]] * 3,
+    )
+    found = stability_map(model, [50.0, 150.0, 250.0, 350.0])
+    first = 200.0 * damping * np.sqrt(stiffness / MASS) / most
+    assert found.thresholds.tolist() == pytest.approx([first, 400.0 - first], rel=1e-6)
+    assert found.unstable.tolist() == [False, True, True, False]
+
+
 @pytest.fixture(scope="module")
 def shaft():
     return steel_shaft()
