@@ -407,7 +407,7 @@ def draw_run(found: RunUp, linear: Linear) -> Figure:
             crest = np.array([size[block].max() for block in blocks])
             middle = [found.speed[block].mean() for block in blocks]
             axes.plot(middle, 1e6 * crest, color="0.2", label="finite elements in space, crests")
-            axes.legend(loc="upper left")
+            axes.legend(loc="upper center")
         axes.set(title=title, ylabel="[μm]")
         axes.axvline(linear.threshold, color="0.8", linewidth=0.8)
     journal.set(xlabel="speed [rad/s]")

@@ -1,4 +1,4 @@
-"""A rotor on fluid films and pedestals: the coefficients of its table, and what the example finds."""
+"""A rotor on fluid films and pedestals: the coefficients of its table, and its run-up."""
 
 import numpy as np
 import pytest
