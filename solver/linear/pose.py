@@ -87,8 +87,15 @@ def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
         initial.work,
         np.array(rotation.angular_velocity),
         np.array(rotation.center),
-        np.array(list(speed_ratios(model, rotation).values())),
+        _ratios(model, rotation),
     )
+
+
+def _ratios(model: Model, rotation: SteadyRotation) -> Array:
+    """The speeds of the bodies over that of a rotation (n_b,); at rest they do not matter."""
+    if not np.any(rotation.angular_velocity):
+        return np.ones(len(model.bodies))
+    return np.array(list(speed_ratios(model, rotation).values()))
 
 
 def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:

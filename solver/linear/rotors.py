@@ -263,6 +263,8 @@ def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
         raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
     axes = rotor_axes(model)
     ratios = speed_ratios(model, model.settings.steady_rotation)
+    if not any(ratios.values()):
+        raise ModelError("rotor: no body turns: expected a speed ratio other than 0")
     speeds = {GROUND: 0.0, **ratios}
     for bearing in model.bearings:
         along = float(bearing.axis @ axes.axis)

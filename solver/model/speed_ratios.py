@@ -20,7 +20,7 @@ def speed_ratios(model: Model, rotation: SteadyRotation | None) -> dict[str, flo
     """The angular velocity of each body over that of a steady rotation, by name.
 
     1 turns with the rotation, 0 stands. `ModelError` for bodies that hang together, are support and
-    shaft of bearings, and have no ratio given; and for given ratios that contradict each other.
+    shaft of bearings, and have no ratio given.
     """
     given = {} if rotation is None else rotation.speed_ratios
     found: dict[str, float] = {}
@@ -45,23 +45,31 @@ def _groups(model: Model) -> list[list[str]]:
 
 def _of_group(model: Model, group: list[str], given: Mapping[str, float]) -> dict[str, float]:
     own = {name: given[name] for name in group if name in given}
-    if own:
-        missing = [name for name in group if name not in own]
-        if missing and len(set(own.values())) > 1:
-            raise ModelError(
-                f"steady_rotation: speed_ratios: {_listed(own)} hang together and turn "
-                f"unequally: expected a ratio for {_listed(missing)} as well"
-            )
-        return {name: own.get(name, next(iter(own.values()))) for name in group}
     supports, shafts = (
-        [b for b in model.bearings if b.between[side].partition(".")[0] in group]
+        {name: b for b in model.bearings if (name := b.between[side].partition(".")[0]) in group}
         for side in (SUPPORT, SHAFT)
     )
-    if supports and shafts:
+    unclear = bool(supports and shafts)
+    if own:
+        # Of a support and its shaft that hang together, one says nothing about the other.
+        missing = [name for name in group if name not in own]
+        missing = (
+            missing
+            if len(set(own.values())) > 1
+            else [name for name in missing if unclear and (name in supports or name in shafts)]
+        )
+        if missing:
+            raise ModelError(
+                f"steady_rotation: speed_ratios: {_listed(own)} hang together with "
+                f"{_listed(missing)}: expected ratios of all of them"
+            )
+        return {name: own.get(name, next(iter(own.values()))) for name in group}
+    if unclear:
+        support, shaft = next(iter(supports.values())), next(iter(shafts.values()))
         raise ModelError(
-            f"steady_rotation: {_listed(group)}: support of {supports[0].owner} and shaft of "
-            f"{shafts[0].owner}: expected its speed over that of the rotor in speed_ratios, as "
-            f"speed_ratios = {{{group[0]} = 0}} for one that stands"
+            f"steady_rotation: {_listed(group)}: support of {support.owner} and shaft of "
+            f"{shaft.owner}: expected its speed over that of the rotor in speed_ratios, as "
+            f"speed_ratios = {{{next(iter(supports))} = 0}} for one that stands"
         )
     return dict.fromkeys(group, 0.0 if supports else 1.0)
 

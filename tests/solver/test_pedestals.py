@@ -418,9 +418,31 @@ def test_bodies_that_hang_together_at_several_speeds_all_need_one():
             Spring("coupling", "torsion", ["outer", "third"], [0.0, 0.0, 1.0], 1.0)]  # fmt: skip
     model = two_shafts()
     bodies = {**model.bodies, "third": RigidBody(1.0, [0.1, 0.1, 0.1])}
-    with pytest.raises(ModelError, match="'inner', 'outer' hang together and turn unequally: "
-                       "expected a ratio for 'third' as well"):  # fmt: skip
+    with pytest.raises(ModelError, match="'inner', 'outer' hang together with 'third': expected"):
         rotor_at(replace(model, bodies=bodies, springs=link), 100.0)
+
+
+def test_a_shaft_that_a_spring_holds_to_its_support_does_not_stand_with_it():
+    model = on_pedestals()
+    thrust = Spring("thrust", "bushing", ["block left", "disk.left"], axis=[0.0, 0.0, 1.0],
+                    stiffness=[0.0, 0.0, 1e5, 0.0, 0.0, 0.0])  # fmt: skip
+    model = replace(model, springs=[*model.springs, thrust])
+    with pytest.raises(ModelError, match="support of bearing 'left' and shaft of bearing 'right'"):
+        rotor_at(model, 300.0)
+    # At rest nothing turns, and nothing is unclear.
+    assert len(linearize(model.with_settings(step=1e-3)).modes())
+    for ratios in ({"block left": 0.0}, {"disk": 1.0}, {"block left": 0.0, "disk": 1.0}):
+        rotation = SteadyRotation([0.0, 0.0, 1.0], speed_ratios=ratios)
+        told = model.with_settings(start="equilibrium", steady_rotation=rotation)
+        if len(ratios) == 1:
+            with pytest.raises(ModelError, match=r"hang together with .*: expected ratios of all"):
+                rotor_at(told, 300.0)
+    assert_among(rotor_at(told, 300.0).modes().values, eigenvalues(*equations(300.0)), 1e-7)
+
+
+def test_a_rotor_of_which_nothing_turns_is_refused():
+    with pytest.raises(ModelError, match="rotor: no body turns"):
+        rotor_at(squeezed({"carrier": 0.0, "disk": 0.0}), 100.0)
 
 
 def test_cross_coupling_on_a_soft_pedestal_grows_from_a_lower_threshold():
