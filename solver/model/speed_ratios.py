@@ -30,12 +30,13 @@ def speed_ratios(model: Model, rotation: SteadyRotation | None) -> dict[str, flo
 
 
 def _groups(model: Model) -> list[list[str]]:
-    """Bodies that hang together by couplings other than bearings, without the ground."""
+    """Bodies that hang together, but for the ground, bearings and contacts."""
     group = {name: name for name in model.bodies}
     bearings = {bearing.name for bearing in model.bearings}
     for coupling in model.couplings:
         first, second = (side.partition(".")[0] for side in coupling.between)
-        if GROUND in (first, second) or coupling.name in bearings:
+        # A shaft that may rub on its casing does not turn it.
+        if GROUND in (first, second) or coupling.name in bearings or coupling.opens:
             continue
         old, new = group[first], group[second]
         group = {name: new if its == old else its for name, its in group.items()}
@@ -51,13 +52,11 @@ def _of_group(model: Model, group: list[str], given: Mapping[str, float]) -> dic
     )
     unclear = bool(supports and shafts)
     if own:
-        # Of a support and its shaft that hang together, one says nothing about the other.
         missing = [name for name in group if name not in own]
-        missing = (
-            missing
-            if len(set(own.values())) > 1
-            else [name for name in missing if unclear and (name in supports or name in shafts)]
-        )
+        if len(set(own.values())) == 1:
+            # One speed is that of all, but a support says nothing about the shaft that hangs in it.
+            on_bearings = {*supports, *shafts} if unclear else set()
+            missing = [name for name in missing if name in on_bearings]
         if missing:
             raise ModelError(
                 f"steady_rotation: speed_ratios: {_listed(own)} hang together with "

@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Bearing,
+    Contact,
     Fixed,
     FlexibleBody,
     Force,
     Frame,
     HalfSine,
+    Impact,
     Model,
     ModelError,
     RigidBody,
@@ -482,3 +484,13 @@ def test_a_run_starts_with_pedestals_that_stand():
     assert run.body("disk").v[0, 5] == pytest.approx(300.0)
     assert np.abs(run.body("block left").v[0]).max() == 0.0
     assert np.abs(run.body("block left").x[-1] - run.body("block left").x[0]).max() > 0.0
+
+
+def test_a_casing_on_which_the_shaft_may_rub_stands():
+    model = on_pedestals()
+    block = replace(model.bodies["block left"], frames={"wall": Frame([-0.06, 0.0, 0.0])})
+    model = replace(model, bodies={**model.bodies, "block left": block})
+    rub = Contact("rub", ["block left.wall", "disk.left"], "plane", axis=[1.0, 0.0, 0.0],
+                  ball=0.05, impact=Impact(stiffness=1e6, restitution=0.8))  # fmt: skip
+    values = rotor_at(replace(model, contacts=[rub]), 300.0).modes().values
+    np.testing.assert_allclose(values, rotor_at(model, 300.0).modes().values, rtol=1e-9, atol=1e-6)
