@@ -24,25 +24,25 @@ from ..arrays import Array
 from ..errors import ModelError
 from ..signals.columns import column_of, names_of_columns
 
-POUND, INCH = 4.4482216152605, 0.0254
-SPEED, STIFFNESS, DAMPING, MASS, NUMBER = "speed", "stiffness", "damping", "mass", "number"
-UNITS = {
-    SPEED: {"rad/s": 1.0, "rpm": np.pi / 30.0, "Hz": 2.0 * np.pi},
-    STIFFNESS: {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6,
-                "lbf/in": POUND / INCH},
-    DAMPING: {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "kN s/mm": 1e6, "MN s/m": 1e6,
-              "lbf s/in": POUND / INCH},
-    MASS: {"kg": 1.0},
-    NUMBER: {"1": 1.0, "-": 1.0},
+LBF_PER_INCH = 4.4482216152605 / 0.0254
+"""in N/m"""
+UNITS_OF = {
+    "speed": {"rad/s": 1.0, "rpm": np.pi / 30.0, "Hz": 2.0 * np.pi},
+    "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6,
+                "lbf/in": LBF_PER_INCH},
+    "damping": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "kN s/mm": 1e6, "MN s/m": 1e6,
+              "lbf s/in": LBF_PER_INCH},
+    "mass": {"kg": 1.0},
+    "number": {"1": 1.0, "-": 1.0},
 }  # fmt: skip
 """SI units of each unit by quantity; the first one is that of a column without a unit"""
-SPEEDS = "speed", "frequency"
-ENTRIES = "xx", "xy", "yx", "yy"
+SPEED_COLUMNS = "speed", "frequency"
+MATRIX_ENTRIES = "xx", "xy", "yx", "yy"
 """of a matrix, by rows: x is e_1 of the bearing, y is e_2"""
 FILM_KEYS = "load", "clearance", "viscosity", "length", "diameter"
 """of a bearing with a dimensionless table [N, m, Pa s, m, m]"""
 # K acts along the axis; masses of a fluid make no force of the law.
-UNSUPPORTED = {
+UNSUPPORTED_COLUMNS = {
     **dict.fromkeys(("mxx", "mxy", "myx", "myy", "mzz"), "added masses are not supported"),
     **dict.fromkeys(("kzz", "czz"), "a bearing acts across its axis alone"),
 }
@@ -71,17 +71,17 @@ def read_bearing_table(path: str, film: Mapping[str, float]) -> BearingTable:
     else:
         columns = _of_csv(path, bool(film))
     _check_missing(path, columns)
-    for name, why in UNSUPPORTED.items():
+    for name, why in UNSUPPORTED_COLUMNS.items():
         if name in columns and columns[name].any():
             raise ModelError(f"file: {path}: column {name}: expected zeros, for {why}")
     zero = np.zeros(len(columns["kxx"]))
-    K, C = (np.array([columns.get(letter + k, zero) for k in ENTRIES]).T for letter in "kc")
+    K, C = (np.array([columns.get(letter + k, zero) for k in MATRIX_ENTRIES]).T for letter in "kc")
     if "sommerfeld" in columns:
         table = _of_film(columns["sommerfeld"], K, C, film)
     elif film:
         raise ModelError(f"file: {path}: expected a column sommerfeld, for film is given")
     else:
-        table = BearingTable(next(columns[name] for name in SPEEDS if name in columns), K, C)
+        table = BearingTable(next(columns[name] for name in SPEED_COLUMNS if name in columns), K, C)
     _check_increasing(path, table.speeds)
     return table
 
@@ -89,7 +89,7 @@ def read_bearing_table(path: str, film: Mapping[str, float]) -> BearingTable:
 def _check_missing(path: str, columns: Mapping[str, Array]) -> None:
     needed = [k + end for k in "kc" for end in ("xx", "yy")]
     missing = [name for name in needed if name not in columns]
-    if not any(name in columns for name in (*SPEEDS, "sommerfeld")):
+    if not any(name in columns for name in (*SPEED_COLUMNS, "sommerfeld")):
         missing.insert(0, "speed (or sommerfeld)")
     if missing:
         there_are = ", ".join(columns) or "none of these"
@@ -131,8 +131,8 @@ def _of_csv(path: str, dimensionless: bool) -> dict[str, Array]:
             continue
         if name in found:
             raise ModelError(f"file: {path}: more than one column is {name}")
-        if dimensionless and quantity in (STIFFNESS, DAMPING):
-            quantity = NUMBER
+        if dimensionless and quantity in ("stiffness", "damping"):
+            quantity = "number"
         factor = _factor(path, header, quantity, unit)
         found[name] = factor * column_of(path, header)
     if "sommerfeld" in found:
@@ -158,17 +158,17 @@ def _parsed(header: str) -> tuple[str, str | None]:
 
 def _quantity(name: str) -> str | None:
     """What a column is; None for one that a table does not take."""
-    if name in SPEEDS:
-        return SPEED
+    if name in SPEED_COLUMNS:
+        return "speed"
     if name == "sommerfeld":
-        return NUMBER
+        return "number"
     if re.fullmatch("[kcm]([xy]{2}|zz)", name):
-        return {"k": STIFFNESS, "c": DAMPING, "m": MASS}[name[0]]
+        return {"k": "stiffness", "c": "damping", "m": "mass"}[name[0]]
     return None
 
 
 def _factor(path: str, header: str, quantity: str, unit: str | None) -> float:
-    units = UNITS[quantity]
+    units = UNITS_OF[quantity]
     if unit is None:
         return next(iter(units.values()))
     # "N*s/m", "N.s/m" and "Ns/m" are one unit.

@@ -12,9 +12,6 @@ from ..errors import ModelError
 from .model import Model
 from .settings import SteadyRotation
 
-SUPPORT, SHAFT = 0, 1
-"""numbers of the sides of a bearing"""
-
 
 def speed_ratios(model: Model, rotation: SteadyRotation | None) -> dict[str, float]:
     """The angular velocity of each body over that of a steady rotation, by name.
@@ -48,7 +45,7 @@ def _of_group(model: Model, group: list[str], given: Mapping[str, float]) -> dic
     own = {name: given[name] for name in group if name in given}
     supports, shafts = (
         {name: b for b in model.bearings if (name := b.between[side].partition(".")[0]) in group}
-        for side in (SUPPORT, SHAFT)
+        for side in (0, 1)
     )
     unclear = bool(supports and shafts)
     if own:
