@@ -29,9 +29,9 @@ LBF_PER_INCH = 4.4482216152605 / 0.0254
 UNITS_OF = {
     "speed": {"rad/s": 1.0, "rpm": np.pi / 30.0, "Hz": 2.0 * np.pi},
     "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6,
-                "lbf/in": LBF_PER_INCH},
+                  "lbf/in": LBF_PER_INCH},
     "damping": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "kN s/mm": 1e6, "MN s/m": 1e6,
-              "lbf s/in": LBF_PER_INCH},
+                "lbf s/in": LBF_PER_INCH},
     "mass": {"kg": 1.0},
     "number": {"1": 1.0, "-": 1.0},
 }  # fmt: skip
@@ -41,7 +41,7 @@ MATRIX_ENTRIES = "xx", "xy", "yx", "yy"
 """of a matrix, by rows: x is e_1 of the bearing, y is e_2"""
 FILM_KEYS = "load", "clearance", "viscosity", "length", "diameter"
 """of a bearing with a dimensionless table [N, m, Pa s, m, m]"""
-# K acts along the axis; masses of a fluid make no force of the law.
+# Left out without a word, they would make other results than those of the program that wrote them.
 UNSUPPORTED_COLUMNS = {
     **dict.fromkeys(("mxx", "mxy", "myx", "myy", "mzz"), "added masses are not supported"),
     **dict.fromkeys(("kzz", "czz"), "a bearing acts across its axis alone"),
