@@ -20,6 +20,7 @@ from duhamel import preprocess, solver, superelement, view
 from matplotlib.figure import Figure
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
+from rotor_theory import rotor_matrices
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, eigvals
 
@@ -34,33 +35,16 @@ ELEMENTS = 30
 """of the reference: none of the superelement"""
 MODES = 6
 """of the reference under the unbalance, at rest"""
-SHAPES = [Polynomial(c) for c in ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])]
-"""of Hermite, over x / length of an element"""
-POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
-XI, WEIGHTS = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
 
 
 @dataclass(frozen=True)
 class Shaft:
-    """Finite elements of the rotor in axes fixed in space, w = y + i z and its slope at each node:
+    """Finite elements of the rotor in axes fixed in space, see rotor_theory.py:
 
-        M w'' + (C - i spin G) w' + K w = force
-
-    G: inertia about the shaft. Source: M. Geradin, D. J. Rixen, Mechanical Vibrations; G. Genta,
-    Dynamics of Rotating Systems, 2005.
+    M w'' + (C - i spin G) w' + K w = force
     """
 
     model: solver.Model
-
-    def _integral(self, order: int) -> Array:
-        """int N^(order)^T N^(order) dx"""
-        h = L / ELEMENTS
-        N = np.array([shape.deriv(order)(XI) for shape in SHAPES]) / h**order
-        N = N * np.array([1.0, h, 1.0, h])[:, None]
-        element, total = (N * (h * WEIGHTS)) @ N.T, np.zeros((2 * ELEMENTS + 2,) * 2)
-        for i in range(ELEMENTS):
-            total[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += element
-        return total
 
     @property
     def disk(self) -> int:
@@ -73,13 +57,11 @@ class Shaft:
         body = preprocess.read_body(BODY)
         section, disk = body.section, body.masses["disk"]
         polar, diametral, _ = np.diag(disk.inertia)
-        M = section.mass_per_length * self._integral(0)
-        M += section.rotary_inertia_y * self._integral(1)
-        G = section.polar_inertia_per_length * self._integral(1)
-        K, C = section.EI_y * self._integral(2), np.zeros_like(M)
-        M[self.disk, self.disk] += disk.mass + self.model.bodies["unbalance"].mass
-        M[self.disk + 1, self.disk + 1] += diametral
-        G[self.disk + 1, self.disk + 1] += polar
+        mass = disk.mass + self.model.bodies["unbalance"].mass
+        M, G, K = rotor_matrices(
+            section, L, ELEMENTS, {round(AT * ELEMENTS): (mass, polar, diametral)}
+        )
+        C = np.zeros_like(M)
         for spring in self.model.springs:
             if spring.name in ("left", "right"):
                 row = 0 if spring.name == "left" else len(K) - 2

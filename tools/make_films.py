@@ -18,8 +18,11 @@ from time import perf_counter
 ROOT = Path(__file__).parents[1]
 FILMS = ROOT / "docs" / "images" / "films"
 FILM = ("--size", "480x300", "--frames", "40", "--fps", "12")
-OPTIONS = {"flat_rods": ("--magnify", "100")}
-"""of films that show too much otherwise: faces that touch would come apart"""
+OPTIONS = {
+    "flat_rods": ("--magnify", "100"),
+    "oil_whip": ("--from", "8.6", "--to", "9.0"),
+}
+"""of films that show too much otherwise: faces would come apart, a whirl would be a blur"""
 
 
 def main(names: list[str]) -> None:

@@ -1,5 +1,7 @@
 """Springs with dampers between two frames, of three types, and bearings of rotors."""
 
+import os
+from collections.abc import Mapping
 from typing import Any
 
 from duhamel.solver.couplings.bearings import Bearing
@@ -128,10 +130,12 @@ def bearing(
     shaft: str | Framed,
     axis: ArrayLike | str,
     *,
-    stiffness: ArrayLike,
+    stiffness: ArrayLike = (),
     damping: ArrayLike = 0.0,
     speeds: ArrayLike | None = None,
     second_axis: ArrayLike | str | None = None,
+    table: str | os.PathLike[str] | None = None,
+    film: Mapping[str, float] | None = None,
     name: str = "",
 ) -> Bearing:
     """A bearing that acts across the axis of a shaft, in axes of its support.
@@ -150,6 +154,10 @@ def bearing(
     second_axis : (3,), or "x", "y", "z"
         e1, by default nearest to the x axis of the support (to its y axis where x is within 26
         degrees of the axis).
+    table : path
+        A file with speeds, stiffness and damping in place of the three, see `solver.Bearing`.
+    film : mapping of float
+        load, clearance, viscosity, length and diameter, for a table over the Sommerfeld number.
     name : str
     """
     return Bearing(
@@ -160,6 +168,8 @@ def bearing(
         damping=damping,
         speeds=speeds,
         second_axis=second_axis,
+        table=None if table is None else os.fspath(table),
+        film=film or {},
     )
 
 

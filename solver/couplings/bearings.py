@@ -14,30 +14,35 @@ J. W. Lund, Spring and damping coefficients for the tilting-pad journal bearing,
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ...inputs import dotted
 from ..arrays import Array
-from ..errors import plain
+from ..errors import ModelError, plain
 from ..schema.entry import Entry, entry
+from ..schema.paths import FilePath
 from ..schema.values import (
     NO_ARRAY,
     BearingCoefficients,
     Direction,
     Name,
+    NumbersByName,
     OptionalArray,
     OptionalDirection,
     Pair,
 )
 from ..step.rows import Angle as AngleRow
 from ..step.rows import Translation
+from .bearing_tables import FILM_KEYS, read_bearing_table
 from .coupling import Coupling
 from .joint import basis_about
 from .rows import OverSpin, Row, Sides
 
+IN_TABLE: Any = ()
+"""the stiffness of a bearing that has a table"""
 NO_DAMPING: Any = 0.0
 """the default of damping"""
 CONSTANT_FORMS = "a number, 2 numbers or a 2x2 matrix"
@@ -58,13 +63,20 @@ class Bearing(Entry, Coupling):
         Of the shaft, in space at the start. A positive spin turns e_1 to e_2.
     stiffness, damping : float, (2,), (2, 2), or with speeds (n, 4) [N/m; N s/m]
         Along e_1, e_2; entry (i, k) is the force against e_i by a displacement or rate along e_k.
-        The rows of a table have the entries 11, 12, 21, 22.
+        Rows over speeds have the entries 11, 12, 21, 22. Left out where a table gives them.
     second_axis : (3,), optional
         e_1, across `axis`. By default nearest to the x axis of the support (to its y axis where x
         is within 26 degrees of the axis).
     speeds : (n,), optional [rad/s]
         Increasing spins of the rows of stiffness and damping, which are linear between them. The
         spin may leave them by a hundredth of their range; a run that goes further stops.
+    table : path, optional
+        A file with speeds, stiffness and damping: CSV with the columns speed, kxx, kxy, kyx, kyy,
+        cxx, cxy, cyx, cyy and their units, or the TOML or JSON that ROSS saves. x is e_1, y is e_2.
+        It is read once, when the bearing is made.
+    film : mapping of float, optional
+        load [N], clearance (radial) [m], viscosity [Pa s], length and diameter [m] of a bearing
+        whose table is dimensionless, over the Sommerfeld number.
 
     Examples
     --------
@@ -82,10 +94,12 @@ class Bearing(Entry, Coupling):
     name: Name
     between: Pair
     axis: Direction
-    stiffness: BearingCoefficients
+    stiffness: BearingCoefficients = IN_TABLE
     damping: BearingCoefficients = NO_DAMPING
     second_axis: OptionalDirection = NO_ARRAY
     speeds: OptionalArray = NO_ARRAY
+    table: FilePath | None = None
+    film: NumbersByName = field(default_factory=dict)
 
     @property
     def type(self) -> str:
@@ -102,11 +116,38 @@ class Bearing(Entry, Coupling):
             raise self.error(
                 f"between: expected the support and then the shaft, got {dotted(self.between)}"
             )
+        if self.table is not None:
+            self._read(self.table)
+        elif self.film:
+            raise self.error("film: expected a dimensionless table with it")
+        elif not self.stiffness.size:
+            raise self.error("expected stiffness, or a table")
         if self.speeds is not None:
             self._check_speeds(self.speeds)
         # From here on both are matrices (n, 2, 2), whatever form a user gave.
         for key in ("stiffness", "damping"):
             object.__setattr__(self, key, self._matrices(key, getattr(self, key)))
+
+    def _read(self, path: str) -> None:
+        """Take the coefficients of a file, which then stand in the bearing itself."""
+        if self.stiffness.size or self.damping.any() or self.speeds is not None:
+            raise self.error("expected a table, or stiffness, damping and speeds, not both")
+        if self.film:
+            self._check_film()
+        try:
+            found = read_bearing_table(path, self.film)
+        except ModelError as error:
+            raise self.error(f"table: {error}") from error
+        taken = {**found._asdict(), "table": None, "film": {}}
+        for key, value in taken.items():
+            object.__setattr__(self, key, value)
+
+    def _check_film(self) -> None:
+        if set(self.film) != set(FILM_KEYS):
+            raise self.error(f"film: expected {', '.join(FILM_KEYS)}, got {', '.join(self.film)}")
+        for key, value in self.film.items():
+            if not value > 0.0:
+                raise self.error(f"film: {key}: expected a number above 0, got {value:g}")
 
     def _check_speeds(self, speeds: Array) -> None:
         if speeds.ndim != 1 or len(speeds) < 2 or (np.diff(speeds) <= 0.0).any():

@@ -171,17 +171,16 @@ class Joint(Entry, Coupling, metaclass=ByType):
         """The distance of a joint that has one, where the bodies are placed [m]."""
         return float(sides.gap(self.basis(sides.pose_a.R))[2])
 
-    def angular_rate(self, velocity: Array) -> float | None:
-        """The rate of its angle, between the ground and a body that turns with an angular velocity
-        (3,) in space [rad/s]; None where it has no such angle.
+    def angular_rate(self, velocity: Array, ratios: Mapping[str, float]) -> float | None:
+        """The rate of its angle, between bodies that turn with ratios of an angular velocity (3,)
+        in space [rad/s]; None where it has no such angle, or both turn alike.
         """
-        grounded = [frame.partition(".")[0] == GROUND for frame in self.between]
+        first, second = ({GROUND: 0.0, **ratios}[frame.partition(".")[0]] for frame in self.between)
         axis = self.axis_in_space
-        if axis is None or self.free_angles.get("angle") != ANGLE_ABOUT_E3 or sum(grounded) != 1:
+        if axis is None or self.free_angles.get("angle") != ANGLE_ABOUT_E3 or first == second:
             return None
-        along = float(axis @ velocity) / float(np.linalg.norm(axis))
         # The angle is that of the second frame against the first.
-        return along if grounded[0] else -along
+        return (second - first) * float(axis @ velocity) / float(np.linalg.norm(axis))
 
     def reference_at(self, coordinate: str, otherwise: float) -> float:
         """A coordinate where the bodies are placed, of a driven angle by default its start."""

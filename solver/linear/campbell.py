@@ -173,7 +173,7 @@ def campbell(
     grows = np.array([unstable for _, unstable in found])
     points = [points for points, _ in found]
     highest = [point.frequency for of_spin in points for point in of_spin]
-    if model.bearings:
+    if linear.in_space:
         # Whirl in unequal bearings may change its sense along a line: shapes tell what goes on.
         lines = followed_lines(speeds, points, modes)
     else:
@@ -182,10 +182,10 @@ def campbell(
 
 
 def _linear_at(model: Model) -> Callable[[float], LinearModel]:
-    """What linearizes a model at a spin: in axes fixed in space where it has bearings."""
-    if model.bearings:
-        return lambda spin: rotor_at(model, spin)
+    """What linearizes a model at a spin: in axes fixed in space where not all turns as one."""
     rotation = model.settings.steady_rotation
+    if model.bearings or (rotation is not None and rotation.speed_ratios):
+        return lambda spin: rotor_at(model, spin)
     if rotation is None or not np.any(rotation.angular_velocity):
         with about(model.path):
             raise ModelError("simulation: a Campbell diagram needs the axis of a steady_rotation")
@@ -291,7 +291,8 @@ def _circles(motion: Motion, pose: Pose) -> tuple[Complex, Complex, Complex]:
     first, second, _ = basis_about(axis, np.eye(3)).T
     arms = motion.points - pose.center
     off = np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1)
-    near = off <= ON_AXIS * size
+    # Supports shake, but the rotor alone whirls.
+    near = (off <= ON_AXIS * size) & (pose.ratios[motion.bodies] != 0.0)
     # Rotations across the axis whirl as displacements do: shafts between bearings bend so.
     moved = np.concatenate([motion.translations[near], size * motion.rotations[near]])
     y, z = np.einsum("nck,c->nk", moved, first), np.einsum("nck,c->nk", moved, second)

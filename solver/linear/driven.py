@@ -15,6 +15,7 @@ from ..couplings.joint import Joint
 from ..couplings.motors import Motor
 from ..model.model import Model
 from ..model.settings import SteadyRotation
+from ..model.speed_ratios import speed_ratios
 from ..signals.curves import Constant, Polynomial
 from ..signals.drives import angle_at_rate
 
@@ -31,10 +32,14 @@ def driven_at(model: Model, rotation: SteadyRotation) -> dict[str, Any]:
         # Exactly: a constant that is computed is the same at all times.
         return any(signal(t) != start for t in times)
 
-    rates = {joint.name: joint.angular_rate(velocity) for joint in model.joints}
+    ratios = speed_ratios(model, rotation)
+    rates = {joint.name: joint.angular_rate(velocity, ratios) for joint in model.joints}
     return {
         "joints": tuple(_driven(joint, rates[joint.name], moves) for joint in model.joints),
-        "motions": tuple(motion.turned_at(velocity, moves) for motion in model.motions),
+        "motions": tuple(
+            motion.turned_at(ratios[motion.on.partition(".")[0]] * velocity, moves)
+            for motion in model.motions
+        ),
         "motors": tuple(_followed(motor, rates, moves) for motor in model.motors),
     }
 

@@ -84,8 +84,8 @@ def floquet(model: Model, spin: float) -> Floquet:
     ------
     ModelError
         For a rotor without a steady rotation at all angles, such as one whose center is off the
-        axis, a bearing whose support is not the ground, a spin beyond the table of a bearing, and
-        undamped modes that are thousands of times faster than the spin.
+        axis, shafts whose speeds are no multiples of the spin, a spin beyond the table of a
+        bearing, and undamped modes that are thousands of times faster than the spin.
 
     Examples
     --------
@@ -102,6 +102,12 @@ def floquet(model: Model, spin: float) -> Floquet:
     """
     with about(model.path), one_blas_thread():
         model, rotation = prepared_rotor(model, spin)
+        for name, ratio in rotation.speed_ratios.items():
+            if ratio != round(ratio):
+                raise ModelError(
+                    f"rotor: body {name!r} turns {ratio:g} times as fast as the rotor: expected "
+                    "whole numbers, with which a turn brings everything back"
+                )
         orders = _orders(equations_of(pose_of(model, rotation)))
         n = _number_of_steps(orders, spin)
         coarse = _over_a_turn(orders, spin, n, 2 * PARTS_OF_FINE_STEP)

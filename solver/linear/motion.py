@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Index
 from ..step.frames import move_frames
 from .modes import FirstOrder, frames_of
 
@@ -15,10 +15,12 @@ class Motion:
     """Small motions of points: the centers of bodies, then all frames of bodies.
 
     points (n, 3): where they are in space [m]; translations and rotations (n, 3, k) of k motions,
-    along axes of space (of the mechanism, where it turns); names (n,).
+    along axes of space (of the mechanism, where it turns); names (n,), bodies (n,): numbers of
+    their bodies.
     """
 
     names: tuple[str, ...]
+    bodies: Index
     points: Array
     translations: Any
     rotations: Any
@@ -32,6 +34,7 @@ def motion_of(form: FirstOrder, y: Any) -> Motion:
     n_b = len(state.bodies.x)
     xi, u = y[: 6 * n_b].reshape(n_b, 6, -1), frames_of(form, y)
     names, points = list(pose.lowered.body_names), [*state.bodies.x]
+    owners = list(range(n_b))
     translations = list(np.einsum("bij,bjk->bik", state.bodies.R, xi[:, :3]))
     rotations = list(np.einsum("bij,bjk->bik", state.bodies.R, xi[:, 3:]))
     for f, b in enumerate(frames.body.tolist()):
@@ -44,8 +47,15 @@ def motion_of(form: FirstOrder, y: Any) -> Motion:
             moved = moved + u[dof : dof + 3]
         if dof >= 0 and frames.rotations[f]:
             turned = turned + work.frames.T[f].T @ u[dof + 3 : dof + 6]
+        owners.append(b)
         names.append(pose.lowered.frame_names[f])
         points.append(work.frames.r[f].copy())
         translations.append(R @ moved)
         rotations.append(R @ turned)
-    return Motion(tuple(names), np.array(points), np.array(translations), np.array(rotations))
+    return Motion(
+        tuple(names),
+        np.array(owners, dtype=np.int64),
+        np.array(points),
+        np.array(translations),
+        np.array(rotations),
+    )

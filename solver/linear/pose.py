@@ -16,6 +16,7 @@ from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
 from ..model.output_request import OutputRequest
 from ..model.settings import StartFrom, SteadyRotation
+from ..model.speed_ratios import speed_ratios
 from ..signals.curves import Constant
 from ..start.initial import InitialState, initialize
 from ..step.equations import evaluate
@@ -30,9 +31,10 @@ MIN_SLOPE_JUMP = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A lowered model in equilibrium, and the rotation of all its bodies as one.
+    """A lowered model in equilibrium, and the steady rotation of its bodies.
 
-    angular_velocity (3,) in space [rad/s] about the point center (3,) [m]; zero: at rest.
+    angular_velocity (3,) in space [rad/s] about the point center (3,) [m]; zero: at rest; ratios
+    (n_b,): the angular velocities of the bodies over it.
     """
 
     lowered: LoweredModel
@@ -40,6 +42,7 @@ class Pose:
     work: Workspace
     angular_velocity: Array
     center: Array
+    ratios: Array
 
     @property
     def system(self) -> System:
@@ -84,7 +87,15 @@ def pose_of(model: Model, rotation: SteadyRotation | None = None) -> Pose:
         initial.work,
         np.array(rotation.angular_velocity),
         np.array(rotation.center),
+        _ratios(model, rotation),
     )
+
+
+def _ratios(model: Model, rotation: SteadyRotation) -> Array:
+    """The speeds of the bodies over that of a rotation (n_b,); at rest they do not matter."""
+    if not np.any(rotation.angular_velocity):
+        return np.ones(len(model.bodies))
+    return np.array(list(speed_ratios(model, rotation).values()))
 
 
 def _at_rest(model: Model, rotation: SteadyRotation | None) -> Model:

@@ -7,7 +7,8 @@ exp(psi J / Omega) of its coordinates that leaves it as it is. In space x_s = T 
     x_s' = (A(0) + J) x_s
 
 which is constant. J is Omega x for positions, rotations and rates of bodies; for the modes of a
-flexible body it follows from those of its interfaces on the axis, in pairs of one frequency. That
+flexible body it follows from those of its interfaces on the axis, in pairs of one frequency. Omega
+is that of each body: supports that stand have J = 0 and may be of any shape. That
 T(psi) A(psi) T(-psi) = A(0) is checked at another angle. Source: docs/theory.md, Rotors.
 """
 
@@ -23,9 +24,10 @@ from ..couplings.bearings import Bearing
 from ..couplings.coupling import GROUND
 from ..couplings.joint import basis_about
 from ..errors import ModelError, about
+from ..lower.placement import frame_pose, place_bodies
 from ..model.model import Model
 from ..model.settings import SteadyRotation
-from ..step.rotations import rotation_matrix
+from ..model.speed_ratios import speed_ratios
 from .blocks import diagonal_blocks
 from .equations import Equations, equations_of
 from .flexibility import ModalBody
@@ -48,8 +50,8 @@ MAX_CONDITION = 1e12
 # relative, of responses before and after a turn
 MAX_DIFFERENCE_BY_TURN = 1e-5
 NOT_ALIKE_ALL_ROUND = (
-    "it is not alike all round the axis: expected a rotor with axisymmetric bodies, joints and "
-    "loads, and bearings to the ground alone; `floquet` takes other rotors"
+    "it is not alike all round the axis: expected axisymmetric bodies where they turn, with such "
+    "joints and loads, and unequal bearings on supports that stand; `floquet` takes other rotors"
 )
 
 
@@ -87,12 +89,13 @@ class InSpace(FirstOrder):
     def at(self, sigma: complex) -> "FirstOrder":
         raise NotImplementedError  # chains alone need it, which are refused
 
-    def synchronous(self, forced: Any) -> Any:
-        """States (n, k) under forces that turn with the rotor; forced: as by `FirstOrder.forced`.
+    def synchronous(self, forced: Any, ratio: float) -> Any:
+        """States (n, k) under forces that turn with a shaft; forced: as by `FirstOrder.forced`.
 
-        (i Omega - J - A)^-1 b, with the states f = (sigma - A)^-1 b that are given.
+        (i Omega - J - A)^-1 b, with the states f = (sigma - A)^-1 b that are given. ratio: the
+        speed Omega of the shaft over that of the rotation.
         """
-        s = 1j * self.equations.pose.speed - self.sigma
+        s = 1j * ratio * self.equations.pose.speed - self.sigma
         matrix = np.eye(self.n) - self.turning_with @ (s * np.eye(self.n) - self.J)
         if np.linalg.cond(matrix) > MAX_CONDITION:
             raise ModelError(
@@ -118,6 +121,8 @@ def _turning_modes(pose: Pose, e: int, body: ModalBody) -> Array:
     elastic, frames, work = pose.system.elastic, pose.system.frames, pose.work
     b, size = int(elastic.body[e]), float(pose.system.bodies.size)
     omega = pose.state.bodies.v[b, 3:]
+    if pose.ratios[b] == 0.0:
+        return np.zeros((body.m, body.m))
     shapes, turned_shapes = [], []
     for f in np.flatnonzero(frames.dof >= 0).tolist():
         arm = work.frames.r[f] - pose.center
@@ -215,7 +220,8 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
     """The linear equations of a rotor at a spin, in axes fixed in space.
 
     Gravity across the axis does not count: coefficients of bearings are those of the loaded
-    bearing. All bodies turn with the rotor.
+    bearing. Bodies that carry supports of bearings stand, others turn with the rotor, and shafts at
+    other speeds are named in `SteadyRotation.speed_ratios`.
 
     Parameters
     ----------
@@ -230,8 +236,8 @@ def rotor_at(model: Model, spin: float) -> RotorModel:
     Raises
     ------
     ModelError
-        For a rotor that is not alike all round its axis, a bearing whose support is not the ground,
-        a spin beyond the table of a bearing, and what `linearize` refuses.
+        For a rotor that is not alike all round its axis, a body of which it is unclear whether it
+        turns, a spin beyond the table of a bearing, and what `linearize` refuses.
 
     Examples
     --------
@@ -256,26 +262,25 @@ def prepared_rotor(model: Model, spin: float) -> tuple[Model, SteadyRotation]:
     if not 0.0 < spin < np.inf:
         raise ModelError(f"rotor: expected a spin above 0 rad/s, got {spin:g}")
     axes = rotor_axes(model)
+    ratios = speed_ratios(model, model.settings.steady_rotation)
+    if not any(ratios.values()):
+        raise ModelError("rotor: no body turns: expected a speed ratio other than 0")
+    speeds = {GROUND: 0.0, **ratios}
     for bearing in model.bearings:
-        # All bodies turn as one: a support with a mass would spin with the shaft.
-        if bearing.between[0].partition(".")[0] != GROUND:
-            raise bearing.error(
-                "between: expected a support on the ground, which linear analyses of rotors need, "
-                f"got {bearing.between[0]!r}: runs take others"
-            )
         along = float(bearing.axis @ axes.axis)
         if abs(abs(along) - 1.0) > MAX_MISALIGNMENT:
             raise bearing.error(
                 f"axis: expected that of the rotor, {axes.axis.tolist()}, "
                 f"got {bearing.axis.tolist()}"
             )
-        bearing.coefficients(spin * float(np.sign(along)))
+        support, shaft = (speeds[side.partition(".")[0]] for side in bearing.between)
+        bearing.coefficients((shaft - support) * spin * float(np.sign(along)))
     gravity = (model.gravity @ axes.axis) * axes.axis
     model = replace(model.without_surfaces(), gravity=gravity)
     if model.settings.step is None and not model.flexible_bodies:
         # No step is taken, but rigid bodies alone propose none.
         model = model.with_settings(step=0.5 * model.settings.t_end)
-    return model, SteadyRotation(spin * axes.axis, axes.center)
+    return model, SteadyRotation(spin * axes.axis, axes.center, ratios)
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,7 +302,7 @@ def rotor_axes(model: Model) -> RotorAxes:
 
     ModelError for a model that has neither.
     """
-    found = next((axes for bearing in model.bearings if (axes := _own_axes(model, bearing))), None)
+    found = _axes_of_bearings(model)
     rotation = model.settings.steady_rotation
     if rotation is not None and np.any(rotation.angular_velocity):
         velocity = np.array(rotation.angular_velocity)
@@ -306,17 +311,23 @@ def rotor_axes(model: Model) -> RotorAxes:
         return RotorAxes(axis, np.array(rotation.center), first)
     if found is None:
         raise ModelError(
-            "simulation: expected the axis and the center of a steady_rotation, or a bearing to a "
-            "frame of the ground"
+            "simulation: expected the axis and the center of a steady_rotation, or a bearing"
         )
     return found
 
 
-def _own_axes(model: Model, bearing: Bearing) -> RotorAxes | None:
-    """Those of a bearing to a frame of the ground, whose place is known."""
-    body, _, name = bearing.between[0].partition(".")
-    if body != GROUND or not name:
+def _axes_of_bearings(model: Model) -> RotorAxes | None:
+    """Those of the first bearing to a frame of the ground, or else to one of a body, as placed."""
+    # A frame of the ground is where it is; bodies may be moved to close their joints.
+    order = sorted(model.bearings, key=_support_moves)
+    if not order:
         return None
-    frame = model.ground_frames[name]
-    first = bearing.basis(rotation_matrix(frame.rotation))[:, 0]
-    return RotorAxes(np.array(bearing.axis), np.array(frame.position), first)
+    bearing, poses = order[0], place_bodies(model)
+    # The bare ground has no place: there the bearing is where the shaft is.
+    support = frame_pose(model, poses, bearing.between[bearing.between[0] == GROUND])
+    first = bearing.basis(np.eye(3) if bearing.between[0] == GROUND else support.R)[:, 0]
+    return RotorAxes(np.array(bearing.axis), support.x, first)
+
+
+def _support_moves(bearing: Bearing) -> bool:
+    return not bearing.between[0].startswith(f"{GROUND}.")

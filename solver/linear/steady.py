@@ -85,19 +85,19 @@ def _sizes(response: Any, length: float) -> Array:
 
 
 def _turn(pose: Pose, angle: float) -> None:
-    """Turn all bodies, and drives with them, as the rotation goes on."""
+    """Turn all bodies, and drives with them, as the rotation goes on by an angle [rad]."""
     axis = pose.angular_velocity / pose.speed
     turn, Q, product = np.empty(4), np.empty((3, 3)), np.empty(4)
-    quaternion_exponential(angle * axis, turn)
-    quaternion_matrix(turn, Q)
     motion = pose.state.bodies
-    motion.x[:] = pose.center + (motion.x - pose.center) @ Q.T
-    for b in range(len(motion.x)):
+    for b, ratio in enumerate(pose.ratios.tolist()):
+        quaternion_exponential(ratio * angle * axis, turn)
+        quaternion_matrix(turn, Q)
+        motion.x[b] = pose.center + Q @ (motion.x[b] - pose.center)
         quaternion_product(turn, motion.quaternion[b], product)
         motion.quaternion[b] = product
         quaternion_matrix(product, motion.R[b])
-    for array in (motion.v, motion.v_dot):
-        array[:, :3] = array[:, :3] @ Q.T
+        for array in (motion.v, motion.v_dot):
+            array[b, :3] = Q @ array[b, :3]
     pose.work.drives.value[:] += pose.work.drives.rate * angle / pose.speed
 
 

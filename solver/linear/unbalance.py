@@ -18,6 +18,7 @@ from ...files.progress import Progress, Work
 from ..arrays import Array
 from ..errors import ModelError, about
 from ..model.model import Model
+from ..model.speed_ratios import speed_ratios
 from .inputs import channels, forcing, with_loads
 from .modes import Complex
 from .motion import Motion
@@ -186,6 +187,7 @@ def unbalance_response(
         axes = rotor_axes(model).across
         inputs = [f"force:{name}:{k}" for name in unbalance for k in "xyz"]
         loaded = with_loads(model, inputs)
+        ratio = _common_ratio(model, unbalance)
     # e_1 - i e_2: a force along e_1 now is along e_2 a quarter turn later.
     turning = axes[0] - 1j * axes[1]
     columns = np.concatenate([complex(u) * turning for u in unbalance.values()])
@@ -195,7 +197,7 @@ def unbalance_response(
         with one_blas_thread(), about(model.path):
             form, pose = linear.first_order, linear.equations.pose
             forced = form.forced(forcing(pose, channels(model, pose.lowered, inputs)))
-            state = form.synchronous(forced @ (spin**2 * columns)[:, None])
+            state = form.synchronous(forced @ ((ratio * spin) ** 2 * columns)[:, None], ratio)
             return linear.motion(form.split(state)[0])
 
     def across(motion: Motion) -> Complex:
@@ -213,3 +215,19 @@ def unbalance_response(
     return UnbalanceResponse(
         speeds, names, np.array(rows), axes, lambda spin: across(motion_at(spin))
     )
+
+
+def _common_ratio(model: Model, unbalance: Mapping[str, complex]) -> float:
+    """The speed of the shaft that carries the unbalance over the spin; ModelError for several."""
+    ratios = speed_ratios(model, model.settings.steady_rotation)
+    found = {name: ratios[name.partition(".")[0]] for name in unbalance}
+    (first, ratio), *others = found.items()
+    if ratio == 0.0:
+        raise ModelError(f"unbalance: {first}: expected a frame of a shaft, which turns")
+    for name, other in others:
+        if other != ratio:
+            raise ModelError(
+                f"unbalance: {first} and {name} turn at different speeds: expected unbalance of "
+                "one shaft"
+            )
+    return ratio

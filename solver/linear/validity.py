@@ -139,7 +139,8 @@ def _of_deformation(pose: Pose, e: int, body: FlexibleBody) -> Iterator[Check]:
 
 
 def _of_body(pose: Pose, e: int, body: FlexibleBody, highest: float) -> Iterator[tuple[str, float]]:
-    kernel, modes, spin = body.superelement.kernel, body.superelement.modes, pose.speed
+    kernel, modes = body.superelement.kernel, body.superelement.modes
+    spin = pose.speed * abs(float(pose.ratios[pose.system.elastic.body[e]]))
     yield "test_misfit" if body.superelement.provenance.tested else "kernel_error", kernel.error
     if highest > 0.0:
         band = body.superelement.band

@@ -282,6 +282,13 @@ class Model(Entry):
 
     def _check_equilibrium(self) -> None:
         """ModelError for a velocity: in equilibrium only a steady rotation has velocities."""
+        rotation = self.settings.steady_rotation
+        for name in () if rotation is None else rotation.speed_ratios:
+            if name not in self.bodies:
+                raise ModelError(
+                    f"steady_rotation: speed_ratios: no body {name!r}; there are: "
+                    f"{', '.join(self.bodies)}"
+                )
         for name, body in self.bodies.items():
             for key in ("velocity", "angular_velocity"):
                 if (velocity := getattr(body.start, key)).any():

@@ -14,6 +14,7 @@ from ..schema.values import (
     Count,
     Fraction,
     Iterations,
+    NumbersByName,
     PositiveTime,
     Tolerance,
     Vector,
@@ -23,13 +24,19 @@ from .output_request import OutputRequest
 
 @entry()
 class SteadyRotation(Entry):
-    """A rotation of all bodies as one.
+    """A rotation of bodies about one axis: all as one, unless bearings part them.
+
+    The bodies that carry the supports of bearings stand, see docs/how-to/rotors.md.
 
     Parameters
     ----------
     angular_velocity : (3,) [rad/s]
     center : (3,) [m]
         A point of the axis; both in space.
+    speed_ratios : mapping of float, optional
+        The angular velocity of bodies over `angular_velocity`, by name: 0 for one that stands, -1.2
+        for a shaft that turns the other way round. A body takes that of the bodies that it is
+        coupled to, by anything but bearings.
 
     Examples
     --------
@@ -41,6 +48,7 @@ class SteadyRotation(Entry):
 
     angular_velocity: Vector
     center: Vector = ZERO_VECTOR
+    speed_ratios: NumbersByName = field(default_factory=dict)
 
 
 @entry(eq=True)

@@ -32,6 +32,11 @@ class _Sheet(NamedTuple):
         return len(self.names) or (len(self.rows[0][1]) if self.rows else 0)
 
 
+def names_of_columns(path: str) -> tuple[str, ...]:
+    """The names in the first line of a file; none where that has numbers."""
+    return _sheet(path).names
+
+
 def number_of_column(path: str, column: str | int) -> int:
     """The index of a column that is given by its name, or its number from 1 on."""
     sheet = _sheet(path)

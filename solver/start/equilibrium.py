@@ -221,8 +221,8 @@ class _Search:
         system, (rounding, _) = self.system, self._law_rounding()
         forces, _ = largest_forces(system, self.work, (rounding / ACCEPTED_RESIDUAL, 0.0))
         loads = forces / float(system.bodies.mass.sum()) if forces > NO_FORCE else 0.0
-        spin = np.zeros(3) if self.motion is None else self.motion.angular_velocity
-        least = LEAST_SHARE * (loads + float(spin @ spin) * system.bodies.size)
+        speed = 0.0 if self.motion is None else self.motion.speed
+        least = LEAST_SHARE * (loads + speed**2 * system.bodies.size)
         pull = max(_accelerations(system, self.work), least)
         return pull / (FIRST_STEP * system.bodies.size) if pull > 0.0 else 1.0
 
@@ -273,7 +273,8 @@ class _Search:
             return
         for group in self.free:
             force = self.work.bodies.residual[group, :3].sum(axis=0)
-            weight = self.system.bodies.mass[group].sum() * self.motion.acceleration
+            masses = self.system.bodies.mass[group]
+            weight = np.tensordot(masses, self.motion.acceleration[group], 1)
             # The centrifugal stiffness is that of the group's mass; along the axis it is zero,
             # hence pinv.
             self.state.bodies.x[group] -= np.linalg.pinv(weight) @ force
@@ -396,7 +397,7 @@ def _add_centrifugal(system: System, motion: SteadyMotion, state: State, work: W
         n = int(system.pattern.size[system.pattern.body[b]])
         block = as_strided(work.matrix.S[start:], (n, 6), (stride * itemsize, itemsize))
         # Rows of equilibrium are scaled by h^2, as in the time step.
-        block[:3, :3] += h2 * mass * R.T @ motion.acceleration @ R
+        block[:3, :3] += h2 * mass * R.T @ motion.acceleration[b] @ R
         block[3:6, 3:] += h2 * (_skew(omega) @ J - _skew(J @ omega)) @ _skew(omega)
         e = int(system.elastic.of_body[b])
         if e >= 0 and system.elastic.second.r[e]:

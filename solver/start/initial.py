@@ -19,6 +19,7 @@ from ..errors import ModelError
 from ..lower.allocation import allocate
 from ..lower.lower import LoweredModel, lower
 from ..model.model import Model
+from ..model.speed_ratios import speed_ratios
 from ..step.equations import convective_terms, evaluate, linearize
 from ..step.extremes import start_extremes
 from ..step.loads import load_vector
@@ -154,9 +155,10 @@ def _steady_motion(lowered: LoweredModel, continuous: bool) -> SteadyMotion | No
     rotation = lowered.model.settings.steady_rotation
     if rotation is None:
         return None
+    ratios = np.array(list(speed_ratios(lowered.model, rotation).values()))
     if continuous:
-        return continuous_motion(rotation)
-    return steady_motion(rotation, lowered.system.scheme)
+        return continuous_motion(rotation, ratios)
+    return steady_motion(rotation, ratios, lowered.system.scheme)
 
 
 def _go_on(lowered: LoweredModel, source: StateFile) -> InitialState:

@@ -12,6 +12,7 @@ bodies turn is stepped exactly as it is.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -25,8 +26,8 @@ from ..step.system import State
 class SteadyMotion:
     """A steady rotation in the scheme.
 
-    angular_velocity and center as in `SteadyRotation`; velocity, pseudo_acceleration and
-    acceleration (3, 3): v, a and v_dot of a point by x - center.
+    angular_velocity (n_b, 3) of the bodies, center as in `SteadyRotation`; velocity,
+    pseudo_acceleration and acceleration (n_b, 3, 3): v, a and v_dot of a point by x - center.
     """
 
     angular_velocity: Array
@@ -38,19 +39,26 @@ class SteadyMotion:
     def impose(self, state: State) -> None:
         """Velocities and accelerations of all bodies where they are."""
         arm = state.bodies.x - self.center
-        state.bodies.v[:, :3] = arm @ self.velocity.T
-        state.bodies.v[:, 3:] = np.einsum("bji,j->bi", state.bodies.R, self.angular_velocity)
-        state.bodies.v_dot[:, :3] = arm @ self.acceleration.T
-        state.bodies.a[:, :3] = arm @ self.pseudo_acceleration.T
+        state.bodies.v[:, :3] = np.einsum("bij,bj->bi", self.velocity, arm)
+        state.bodies.v[:, 3:] = np.einsum("bji,bj->bi", state.bodies.R, self.angular_velocity)
+        state.bodies.v_dot[:, :3] = np.einsum("bij,bj->bi", self.acceleration, arm)
+        state.bodies.a[:, :3] = np.einsum("bij,bj->bi", self.pseudo_acceleration, arm)
+
+    @property
+    def speed(self) -> float:
+        """The largest angular velocity of a body [rad/s]."""
+        return float(np.linalg.norm(self.angular_velocity, axis=1).max())
 
 
-def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
+def steady_motion(rotation: SteadyRotation, ratios: Array, scheme: Scheme) -> SteadyMotion:
     """Velocity, pseudo-acceleration and acceleration of a steady rotation in the scheme.
+
+    ratios (n_b,): the speeds of the bodies over that of the rotation.
 
     Its numerical dissipation, of order theta^3, shows as an acceleration along the path; that is
     left out, for nothing in equilibrium could balance it.
     """
-    speed = float(np.linalg.norm(rotation.angular_velocity))
+    axis, speed = _axis_and_speeds(rotation, ratios)
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     # expm1: z - 1 would cancel in slow rotation.
     z, step = np.exp(1j * speed * h), np.expm1(1j * speed * h)
@@ -63,9 +71,8 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
         / ((1.0 - scheme.alpha_f) * z + scheme.alpha_f)
         * a
     )
-    axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
     return SteadyMotion(
-        angular_velocity=rotation.angular_velocity,
+        angular_velocity=np.outer(speed, axis),
         center=rotation.center,
         velocity=_turned(v, axis),
         pseudo_acceleration=_turned(a, axis),
@@ -74,12 +81,11 @@ def steady_motion(rotation: SteadyRotation, scheme: Scheme) -> SteadyMotion:
     )
 
 
-def continuous_motion(rotation: SteadyRotation) -> SteadyMotion:
+def continuous_motion(rotation: SteadyRotation, ratios: Array) -> SteadyMotion:
     """A steady rotation without a scheme: v = Omega x (x - c), v_dot = Omega x v."""
-    speed = float(np.linalg.norm(rotation.angular_velocity))
-    axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
+    axis, speed = _axis_and_speeds(rotation, ratios)
     return SteadyMotion(
-        angular_velocity=rotation.angular_velocity,
+        angular_velocity=np.outer(speed, axis),
         center=rotation.center,
         velocity=_turned(1j * speed, axis),
         pseudo_acceleration=_turned(-(speed**2) + 0j, axis),
@@ -87,10 +93,17 @@ def continuous_motion(rotation: SteadyRotation) -> SteadyMotion:
     )
 
 
-def _turned(factor: complex, axis: Array) -> Array:
-    """The matrix that multiplies by a complex number in the plane across an axis (3, 3)."""
+def _axis_and_speeds(rotation: SteadyRotation, ratios: Array) -> tuple[Array, Array]:
+    """The unit axis (3,), and the speeds of the bodies about it (n_b,) [rad/s]."""
+    speed = float(np.linalg.norm(rotation.angular_velocity))
+    axis = rotation.angular_velocity / speed if speed > 0.0 else np.zeros(3)
+    return axis, speed * ratios
+
+
+def _turned(factor: Any, axis: Array) -> Array:
+    """Matrices that multiply by complex numbers (n,) in the plane across an axis (n, 3, 3)."""
     x, y, z = axis
     across = np.eye(3) - np.outer(axis, axis)
     ahead = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrix: Array = np.real(factor) * across + np.imag(factor) * ahead
-    return matrix
+    matrices: Array = np.multiply.outer(factor.real, across) + np.multiply.outer(factor.imag, ahead)
+    return matrices

@@ -60,10 +60,10 @@ def check_steady(
     drive may run at the speed of the rotation and at no other.
     """
     couplings, lengths = lowered.system.couplings, lowered.measures_lengths
-    Omega = np.zeros(3) if motion is None else motion.angular_velocity
     V = np.zeros_like(work.frames.V)
     if motion is not None:
         moving = lowered.system.frames.body >= 0
+        Omega = motion.angular_velocity[lowered.system.frames.body[moving]]
         V[moving, :3] = np.cross(Omega, work.frames.r[moving] - motion.center)
         V[moving, 3:] = Omega
     V_ab = np.hstack([V[couplings.rows.frame_a], V[couplings.rows.frame_b]])
@@ -80,7 +80,7 @@ def check_steady(
     by_terms = np.einsum("ij,ij->i", work.terms.gradient, V_ab)
     np.add.at(along, terms.row, terms.ratio * by_terms)
     rates = np.where(inert, 0.0, np.abs(along + driven))
-    speed = float(np.linalg.norm(Omega))
+    speed = 0.0 if motion is None else motion.speed
     allowed = NEGLIGIBLE_RATE * np.where(lengths, speed * lowered.system.bodies.size, speed)
     # Rows without a drive have the number -1, and so the zero at the end.
     allowed += np.array([*_negligible(lowered)[:, 0], 0.0])[couplings.drive]
@@ -91,7 +91,10 @@ def check_steady(
     effect = (
         "misses its drive" if driven[i] else "deforms it" if couplings.compliant[i] else "opens it"
     )
-    state_of_motion = "rest" if motion is None else f"a steady rotation of {Omega.tolist()} rad/s"
+    rotation = lowered.model.settings.steady_rotation
+    state_of_motion = "rest"
+    if rotation is not None:
+        state_of_motion = f"a steady rotation of {rotation.angular_velocity.tolist()} rad/s"
     unit = "m/s" if lengths[i] else "rad/s"
     raise ModelError(
         f"{lowered.owner_of(i)}: start = 'equilibrium': {state_of_motion} {effect} "

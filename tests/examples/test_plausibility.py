@@ -12,7 +12,7 @@ from .conftest import EXAMPLES
 MODELS = (
     *("arm_on_stop", "backlash", "ball_on_beam", "case1", "case2", "case3", "case4", "case5"),
     *("clearance", "flapping_blade", "four_bar", "rotor", "shaker", "soft_pendulum", "swap"),
-    *("robot_arm", "tumbling_box", "unbalance"),
+    *("robot_arm", "tumbling_box", "unbalance", "oil_whip"),
 )
 
 

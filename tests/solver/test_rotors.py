@@ -4,8 +4,6 @@ The references of ROSS are those of ross-rotordynamics 2.3.0 for the rotor of Fr
 (2010), example 5.9.1: six Timoshenko elements, two disks, bearings at the ends; rad/s and m.
 """
 
-from dataclasses import replace
-
 import duhamel as du
 import numpy as np
 import pytest
@@ -25,6 +23,8 @@ from duhamel.solver import (
 )
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+
+from .two_disks import steel_shaft, two_disks
 
 MASS, DIAMETRAL, POLAR = 10.0, 0.1, 0.2
 K, C = np.array([[1e5, 2e4], [-2e4, 2e5]]), np.array([[60.0, 5.0], [0.0, 90.0]])
@@ -253,48 +253,64 @@ def test_what_rotors_refuse(change, message):
         rotor_at(model, 50.0)
 
 
-def test_a_bearing_to_a_housing_is_refused_which_would_spin_with_the_shaft():
-    model = hub_rotor(stiffness=1e5)
-    inner = Bearing("inner", ["housing", "disk"], [0.0, 0.0, 1.0], 1e5)
-    bodies = {**model.bodies, "housing": RigidBody(5.0, [0.1, 0.1, 0.2])}
-    model = replace(model, bodies=bodies, bearings=[*model.bearings, inner])
-    for analysis in (rotor_at, floquet):
-        with pytest.raises(ModelError, match="'inner': between: expected a support on the ground"):
-            analysis(model, 50.0)
+@pytest.mark.parametrize("spin", [0.0, -5.0, np.nan, np.inf])
+def test_a_rotor_that_does_not_spin_forward_is_refused(spin):
+    with pytest.raises(ModelError, match=r"rotor: expected a spin above 0 rad/s, got "):
+        rotor_at(hub_rotor(stiffness=1e5), spin)
+    for analysis in (stability_map, campbell):
+        with pytest.raises(ModelError, match="spins: expected numbers"):
+            analysis(hub_rotor(stiffness=1e5), [-5.0, 50.0])
+
+
+@pytest.mark.parametrize(("spin", "row"), [(100.0, 0), (400.0, -1)])
+def test_a_table_holds_up_to_its_ends(spin, row):
+    films = [[1e5, 2e4, -2e4, 1e5], [2e5, 3e4, -3e4, 3e5]]
+    table = {"speeds": [100.0, 400.0], "stiffness": films, "damping": [[9.0, 0.0, 0.0, 8.0]] * 2}
+    plain = {"stiffness": np.reshape(films[row], (2, 2)), "damping": [9.0, 8.0]}
+    found, expected = (
+        rotor_at(rigid_rotor(**film), spin).modes().values for film in (table, plain)
+    )
+    np.testing.assert_array_equal(found, expected)
+    for beyond in (99.99, 400.01):
+        with pytest.raises(ModelError, match="is beyond its table, from 100 to 400"):
+            rotor_at(rigid_rotor(**table), beyond)
+
+
+def test_a_free_rotor_nutates_at_the_ratio_of_its_inertias():
+    disk = RigidBody(MASS, [DIAMETRAL, DIAMETRAL, POLAR])
+    rotation = SteadyRotation([0.0, 0.0, 1.0])
+    model = Model({"disk": disk}).with_settings(start="equilibrium", steady_rotation=rotation)
+    values = rotor_at(model, 70.0).modes().values
+    turning = values[np.abs(values) > 1e-3]
+    np.testing.assert_allclose(turning, [70.0j * POLAR / DIAMETRAL], rtol=1e-9, atol=1e-6)
+
+
+def test_damping_along_one_direction_alone():
+    model = hub_rotor(stiffness=[1e5, 2e5], damping=[120.0, 0.0])
+    values = rotor_at(model, 50.0).modes().values
+    for stiffness, damping in ((1e5, 120.0), (2e5, 0.0)):
+        rate = 0.5 * damping / MASS
+        expected = -rate + 1j * np.sqrt(stiffness / MASS - rate**2)
+        assert np.abs(values - expected).min() < 1e-7 * abs(expected)
+
+
+def test_a_region_of_instability_begins_and_ends():
+    """Cross coupling that rises to 200 rad/s and falls again, beyond c_e sqrt(k / m) between."""
+    stiffness, damping, most = 1e5, 120.0, 2e4
+    model = hub_rotor(
+        speeds=[0.0, 200.0, 400.0],
+        stiffness=[[stiffness, s, -s, stiffness] for s in (0.0, most, 0.0)],
+        damping=[[damping, 0.0, 0.0, damping]] * 3,
+    )
+    found = stability_map(model, [50.0, 150.0, 250.0, 350.0])
+    first = 200.0 * damping * np.sqrt(stiffness / MASS) / most
+    assert found.thresholds.tolist() == pytest.approx([first, 400.0 - first], rel=1e-6)
+    assert found.unstable.tolist() == [False, True, True, False]
 
 
 @pytest.fixture(scope="module")
 def shaft():
-    """1.5 m of steel of 50 mm, with the shear factor of ROSS."""
-    E, G, rho, d = 211e9, 81.2e9, 7810.0, 0.05
-    A, J, shear = np.pi * d**2 / 4.0, np.pi * d**4 / 64.0, 0.8863063567628116
-    section = du.Section(
-        EA=E * A, EI_y=E * J, EI_z=E * J, GJ=2.0 * G * J, GA_y=shear * G * A, GA_z=shear * G * A,
-        mass_per_length=rho * A, rotary_inertia_y=rho * J, rotary_inertia_z=rho * J,
-        polar_inertia_per_length=2.0 * rho * J,
-    )  # fmt: skip
-    part = du.Beam([[x, 0.0, 0.0] for x in np.linspace(0.0, 1.5, 7)], section=section)
-    for name, x in {"left": 0.0, "one": 0.5, "two": 1.0, "right": 1.5}.items():
-        part.interface(name, [x, 0.0, 0.0])
-    part.rotation(modes=8, soft=8)
-    return part.superelement(step=1e-4)
-
-
-def two_disks(shaft, stiffness, damping):
-    m = du.Mechanism()
-    left, right = m.ground.frame("left"), m.ground.frame("right", [1.5, 0.0, 0.0])
-    rotor = m.add(shaft, name="shaft", place={"left": left}, second_order="full")
-    for name, diameter in {"one": 0.28, "two": 0.35}.items():
-        rho, d, width = 7810.0, 0.05, 0.07
-        mass = rho * width * np.pi / 4.0 * (diameter**2 - d**2)
-        polar = mass / 8.0 * (diameter**2 + d**2)
-        inertia = [polar, *[0.5 * polar + mass * width**2 / 12.0] * 2]
-        disk = m.add(du.RigidBody(mass, inertia), name=name, place={"": rotor[name]})
-        m.add(du.joints.Fixed(rotor[name], disk))
-    for name, support in {"left": left, "right": right}.items():
-        m.add(du.springs.bearing(support, rotor[name], "x", stiffness=stiffness, damping=damping,
-                                 second_axis="y", name=name))  # fmt: skip
-    return m
+    return steel_shaft()
 
 
 @pytest.mark.parametrize("case", ROSS)

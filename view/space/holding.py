@@ -10,7 +10,7 @@ from ...superelement.validation import Array
 from .tracks import GROUND_NAME, Track
 
 # Couplings of these groups hold a body in its place; contacts let it go.
-HOLDING_GROUPS = ("joints", "motions", "springs")
+HOLDING_GROUPS = ("joints", "motions", "springs", "bearings")
 # A body that does not turn in a joint is seen from its frame there alone.
 TURNLESS_JOINTS = ("fixed", "prismatic")
 

@@ -8,8 +8,9 @@ from duhamel.view.space.holding import Hold, holding_frames
 from duhamel.view.space.tracks import Track
 
 
-def held(*joints):
+def held(*joints, bearings=()):
     couplings = [Connection(f"{a}-{b}", "joints", kind, (a, b)) for a, kind, b in joints]
+    couplings += [Connection(f"{a}-{b}", "bearings", "bearing", (a, b)) for a, b in bearings]
     return holding_frames(SimpleNamespace(couplings=couplings))
 
 
@@ -31,6 +32,16 @@ def test_what_hangs_on_a_body_does_not_hold_it():
 def test_a_clamp_holds_alone():
     found = held(("ground", "fixed", "beam.root"), ("ground", "spherical", "beam.tip"))
     assert found["beam"] == ("beam.root",)
+
+
+def test_a_rotor_is_held_by_its_bearings_and_by_the_coupling_that_turns_it():
+    found = held(
+        ("ground", "revolute", "motor"),
+        ("motor", "universal", "rotor.left"),
+        ("ground", "prismatic", "pedestal"),
+        bearings=[("pedestal", "rotor.left"), ("ground.right", "rotor.right")],
+    )
+    assert found["rotor"] == ("rotor.left", "rotor.right")
 
 
 def frame(X, u):
