@@ -124,7 +124,7 @@ class Part:
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:
-            self._table["mesh"] = mesh_of(mesh, scale)
+            self._table["mesh"] = mesh_of(mesh, scale, shells or ())
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
