@@ -177,7 +177,9 @@ class _Side:
         nodes = [np.unique(of) for of in facets.values()]
         arms = points[np.concatenate([NO_NODES, *nodes])] - self.X[0]
         z, s = arms @ self.d.mean(axis=0), arms @ self.along
-        inner = z[(z > low) & (z < high) & (s > -0.01 * self.length) & (s < 1.01 * self.length)]
+        # Not those far along the shell, which are nodes of other faces.
+        near = (np.abs(arms @ self.inward) < self.reach) & (z > low) & (z < high)
+        inner = z[near & (s > -0.01 * self.length) & (s < 1.01 * self.length)]
         steps = np.unique(np.round((inner - low) / self.thickness, 6))
         if len(steps) >= MAX_LAYERS:
             steps = np.linspace(0.0, 1.0, MAX_LAYERS + 1)
@@ -193,12 +195,13 @@ def _gauss(bounds: Array, n: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class _Hits:
-    """Where lines along a direction meet facets: at c (q,) [m], the least of all, inf for none.
+    """Where lines along a direction meet facets, the nearest ones, inside rather than beyond them.
 
+    far (q,) [m]: how far, inf for none.
     y (q, 3) [m] from the end of the side; nodes (q, k) and N (q, k), filled up with zeros.
     """
 
-    c: Array
+    far: Array
     y: Array
     nodes: IntArray
     N: Array
@@ -211,7 +214,7 @@ class _Hits:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        return np.isfinite(self.c)
+        return np.isfinite(self.far)
 
     def add(
         self, kind: str, nodes: IntArray, X: Array, x: Array, along: Array, reach: float
@@ -234,9 +237,10 @@ class _Hits:
         beyond = np.maximum(-xi, xi - 1.0).max(axis=0)
         if FACET_TYPES[kind].corners == 3:
             beyond = np.maximum(beyond, xi.sum(axis=0) - 1.0)
-        better = (beyond < MAX_OVERSHOOT) & (np.abs(c) < np.minimum(reach, np.abs(self.c[some])))
+        far = np.abs(c) + reach * np.maximum(beyond, 0.0)
+        better = (beyond < MAX_OVERSHOOT) & (np.abs(c) < reach) & (far < self.far[some])
         chosen, k = some[better], X.shape[1]
-        self.c[chosen] = c[better]
+        self.far[chosen] = far[better]
         self.y[chosen] = np.einsum("kq,qki->qi", N, corners)[better]
         self.nodes[chosen], self.N[chosen] = 0, 0.0
         self.nodes[chosen, :k], self.N[chosen, :k] = nodes[facet[chosen]], N.T[better]
@@ -268,9 +272,10 @@ def _through_corners(X: Array, x: Array, along: Array, reach: float) -> tuple[In
         inverse = normal / np.maximum(size, np.finfo(float).tiny)[:, None] ** 2
         second = np.einsum("mqi,mi->mq", np.cross(arm, (c - a)[:, None]), inverse)
         third = np.einsum("mqi,mi->mq", np.cross((b - a)[:, None], arm), inverse)
-        hit = inside[:, None] & (np.minimum(second, third) > -MAX_OVERSHOOT)
-        hit &= (second + third < 1.0 + MAX_OVERSHOOT) & (np.abs(away) < reach)
-        distance = np.where(hit, np.abs(away), np.inf)
+        beyond = np.maximum(0.0, np.maximum(-np.minimum(second, third), second + third - 1.0))
+        hit = inside[:, None] & (beyond < MAX_OVERSHOOT) & (np.abs(away) < reach)
+        # Beyond one facet is inside its neighbor, which then has the point.
+        distance = np.where(hit, np.abs(away) + reach * beyond, np.inf)
         nearest = distance.argmin(axis=0)
         q = np.arange(len(x))
         better = distance[nearest, q] < best

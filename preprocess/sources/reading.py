@@ -128,14 +128,14 @@ def _with_all_shells(mesh: Mesh, body: Body) -> Mesh:
         )
     for name in body.shells:
         group = mesh.group(name)
-        if not set(group.cells) & set(mesh.shells):
-            raise BodyError(
-                f"shells.{name}: expected triangles or quadrangles in the group, found "
-                f"{', '.join(group.kinds) or 'nothing'}"
-            )
         if len(group.loose):
             raise BodyError(
                 f"shells.{name}: {len(group.loose)} nodes of the group were left out of the mesh "
                 "when it was made: pass shells to mesh_of"
+            )
+        if not set(group.cells) & set(mesh.shells):
+            raise BodyError(
+                f"shells.{name}: expected triangles or quadrangles in the group, found "
+                f"{', '.join(group.kinds) or 'nothing'}"
             )
     return mesh
