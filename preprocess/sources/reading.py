@@ -87,6 +87,8 @@ def read_mesh_source(body: Body) -> MeshSource:
     # A mesh in memory was scaled when it was made.
     if isinstance(body.mesh, Mesh):
         mesh = body.mesh.with_shells(body.shells)
+        # Made with shells that this body does not have.
+        mesh = mesh if mesh.used.all() else mesh.without_loose_nodes()
     elif is_cad(body.mesh):
         mesh = mesh_of_cad(body, body.mesh)
     else:

@@ -106,7 +106,7 @@ def read(path: Path) -> Draft:
     for card in elements:
         if card.name == "CSHEAR":
             draft.deck.no_shells["CSHEAR (panels that carry shear alone)"] += 1
-        elif card.name in _PARTS and _property(card) in properties:
+        if card.name in _PARTS and _property(card) in properties:
             draft.deck.structural[card.name] += 1
     for card in sets:
         _add_points(draft, card, numbering)

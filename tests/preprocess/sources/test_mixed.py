@@ -21,7 +21,23 @@ MESHES = {
     "wall": lambda: wall(T),
     "leaning wall": lambda: wall(T, slope=0.7),
     "wall at the rim": lambda: wall(T, x=0.1),
+    "two walls": lambda: two_walls(),
 }
+
+
+def two_walls():
+    """At a right angle, in a corner of each other, on a block."""
+    points, numbers = grid(*[np.linspace(-0.1, 0.1, 6)] * 2, np.linspace(-0.1, 0.0, 3))
+    along, up = np.linspace(-0.02, 0.1, 4), np.linspace(0.0, 0.1, 3)
+    flat, sides = grid(along, up)
+    still = np.full(len(flat), -0.02)
+    return merged(
+        [
+            (points, "hexahedron", bricks(numbers), "block"),
+            (np.column_stack([still, flat]), "quad", squares(sides), "sheet"),
+            (np.column_stack([flat[:, 0], still, flat[:, 1]]), "quad", squares(sides), "sheet"),
+        ]
+    )
 
 
 def rigid(points):
@@ -164,7 +180,7 @@ def test_a_skin_stiffens_a_block_as_a_layer_of_solids():
     block = skinned(n).cells[0].data
     points = skinned(n).points
     top = block[:, 4:][np.abs(points[block[:, 4:], 2]).max(axis=1) < 1e-12]
-    raised = points + [0.0, 0.0, t]
+    raised = points + np.array([0.0, 0.0, t])
     layer = np.hstack([top, len(points) + top])
     parts = [(points, "hexahedron", block, "block")]
     parts.append((np.vstack([points, raised]), "hexahedron", layer, "steel"))
@@ -373,6 +389,14 @@ def test_what_a_body_of_both_cannot_have_is_named(changes, words):
         build(Body.model_validate(given))
 
 
+def test_a_mesh_with_shells_may_be_one_of_solids_alone():
+    """A body without them leaves out what is theirs."""
+    case = tables()
+    given = case.body.model_dump(exclude_unset=True) | {"mesh": case.body.mesh, "shells": {}}
+    structure = assemble(Body.model_validate(given))
+    assert structure.rigid.mass == pytest.approx(0.5 * 7850.0 * 0.2 * T)
+
+
 def test_a_mesh_in_memory_needs_to_know_its_shells():
     """Nodes of facets beside solids are left out else."""
     with pytest.warns(MeshWarning, match="nodes that belong to no element"):
@@ -380,3 +404,74 @@ def test_a_mesh_in_memory_needs_to_know_its_shells():
     given = tables().body.model_dump(exclude_unset=True) | {"mesh": mesh}
     with pytest.raises(PreprocessError, match="pass shells to mesh_of"):
         assemble(Body.model_validate(given))
+
+
+def as_gmsh(mesh, path):
+    import meshio
+
+    tags = [np.full(len(block.data), tag) for tag, block in enumerate(mesh.cells, 1)]
+    named = {"block": np.array([1, 3]), "sheet": np.array([2, 2])}
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    meshio.Mesh(mesh.points, mesh.cells, cell_data=data, field_data=named).write(
+        path, file_format="gmsh22", binary=False
+    )
+
+
+def deck(mesh, node, elements):
+    """Lines of nodes, and of the cells of each block."""
+    lines = [node.format(i, *map(float, X)) for i, X in enumerate(mesh.points, 1)]
+    number = 0
+    for form, block in zip(elements, mesh.cells, strict=True):
+        lines.append(form[0])
+        for row in block.data + 1:
+            number += 1
+            lines.append(
+                form[1].format(number, ",".join(map(str, row[:6])), ",".join(map(str, row[6:])))
+            )
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def as_abaqus(mesh, path):
+    blocks = [
+        ("*ELEMENT, TYPE=C3D8, ELSET=block", "{},{},{}"),
+        ("*ELEMENT, TYPE=S4, ELSET=sheet", "{},{}{}"),
+    ]
+    path.write_text("*NODE\n" + deck(mesh, "{},{!r},{!r},{!r}", blocks))
+
+
+def as_nastran(mesh, path):
+    blocks = [
+        ('$HMNAME COMP 1 "block"', "CHEXA,{},1,{},+\n+,{}"),
+        ("PSHELL,2,1,0.04", "CQUAD4,{},2,{}{}"),
+    ]
+    path.write_text(deck(mesh, "GRID,{},,{!r},{!r},{!r}", blocks))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "write", "sheet"),
+    [(".msh", as_gmsh, "sheet"), (".inp", as_abaqus, "sheet"), (".bdf", as_nastran, "property 2")],
+)
+def test_files_hold_both(tmp_path, suffix, write, sheet):
+    """Without a warning that shells are left out."""
+    mesh = half_and_half((3, 2, 2))
+    path = tmp_path / f"plate{suffix}"
+    write(mesh, path)
+    case = tables()
+    body = case.body.model_copy(update={"mesh": path, "shells": {sheet: case.body.shells["sheet"]}})
+    structure = assemble(body)
+    assert structure.n_u == case.nodes.n_dofs
+    assert structure.rigid.mass == pytest.approx(7850.0 * 0.2 * T, rel=1e-6)
+    largest = np.abs(case.K).max()
+    assert np.abs(structure.K).max() == pytest.approx(largest, rel=1e-9)
+
+
+def test_shells_of_a_deck_that_no_group_names_are_told(tmp_path):
+    mesh = half_and_half((3, 2, 2))
+    path = tmp_path / "plate.inp"
+    as_abaqus(mesh, path)
+    front, _, sheet = path.read_text().partition("*ELEMENT, TYPE=S4, ELSET=sheet\n")
+    first, *rest = sheet.splitlines()
+    named = "*ELEMENT, TYPE=S4, ELSET=sheet\n" + "\n".join(rest)
+    path.write_text(f"{front}*ELEMENT, TYPE=S4, ELSET=other\n{first}\n{named}\n")
+    with pytest.warns(MeshWarning, match="stiffness and mass of 1 shells, which are in no group"):
+        assemble(tables().body.model_copy(update={"mesh": path}))
