@@ -80,6 +80,7 @@ class Part:
     shell, shells : dict
         Of a mesh of triangles and quadrangles the thickness [m] and what else `[shell]` of body
         files has, of the whole mesh or of each group by name. Materials of groups are named there.
+        Beside solids the shells are those in the groups.
 
     Examples
     --------

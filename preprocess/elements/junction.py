@@ -329,7 +329,8 @@ def _nearest_turn(
     """The rotation (m, 3, 3) of the rigid motion nearest to that of the samples."""
     weight = np.concatenate([side.weight for side in sides])
     middle = weight @ np.concatenate([side.y for side in sides]) / weight.sum()
-    J, moments = np.zeros((3, 3)), 0.0
+    J = np.zeros((3, 3))
+    moments: Any = 0.0
     for side, slot in zip(sides, slots, strict=True):
         arms = side.y - middle
         squares = np.einsum("q,qi,qj->ij", side.weight, arms, arms)

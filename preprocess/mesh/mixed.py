@@ -54,8 +54,8 @@ def mixed(mesh: Mesh) -> MixedMesh:
     solids, of_solids = alone.without_loose_nodes(), np.flatnonzero(alone.used)
     facets = facets_of(solids)
     surface = replace(mesh.only(mesh.shells), body_types=tuple(mesh.shells), shells={})
-    skins = _skins(surface, facets, of_solids)
-    groups = {**surface.groups, _SKIN: Group(skins, NO_NODES)}
+    on_faces = Group(_skins(surface, facets, of_solids), NO_NODES)
+    groups = {**surface.groups, _SKIN: on_faces}
     surface = divided(replace(surface, groups=groups))
     skins = surface.groups[_SKIN].cells
     groups = {name: group for name, group in surface.groups.items() if name != _SKIN}
@@ -166,7 +166,7 @@ class _Touching:
         for kind, rows in webs.items():
             cells = surface.cells[kind][rows]
             pairs = _sides(cells)
-            touches = on_solids[pairs].all(axis=2)
+            touches: Chosen = np.all(on_solids[pairs], axis=2)
             touches[touches] = faces.have(pairs[touches])
             goes_on = np.zeros_like(touches)
             normals = np.broadcast_to(

@@ -1,7 +1,7 @@
 """Bodies of solids and shells in one mesh."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NoReturn
 
@@ -241,7 +241,9 @@ class MixedSource:
         return _together(self, self.solids.field_points(stress), self.shells.field_points(stress))
 
     def shares(self) -> tuple[Share, ...]:
-        return (*self.solids.shares(), *self.shells.shares())
+        # One material is that of the solids alone: shells have groups.
+        solids = [replace(share, group=share.group or "solids") for share in self.solids.shares()]
+        return (*solids, *self.shells.shares())
 
     def resolution(self, frequency: float) -> Resolution:
         """That of the part whose waves have the fewest of the nodes that they need."""

@@ -35,7 +35,12 @@ def two_walls():
         [
             (points, "hexahedron", bricks(numbers), "block"),
             (np.column_stack([still, flat]), "quad", squares(sides), "sheet"),
-            (np.column_stack([flat[:, 0], still, flat[:, 1]]), "quad", squares(sides), "sheet"),
+            (
+                np.column_stack([flat[:, 0], still, flat[:, 1]]),
+                "quad",
+                squares(sides)[:, ::-1],
+                "sheet",
+            ),
         ]
     )
 
