@@ -3,11 +3,25 @@
 import numpy as np
 import pytest
 from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of
+from duhamel.preprocess.assembly.losses import lossy_parts
 from duhamel.preprocess.body.sensors import SensorPoint
+from duhamel.preprocess.mesh.cells import SOLID_TYPES
 from duhamel.preprocess.outline import outline_of
 from scipy.spatial.transform import Rotation
 
-from ..mixed_cases import STEEL, Case, bricks, grid, half_and_half, merged, placed, squares, wall
+from ..mixed_cases import (
+    STEEL,
+    Case,
+    bricks,
+    grid,
+    half_and_half,
+    merged,
+    placed,
+    second_order,
+    simplices,
+    squares,
+    wall,
+)
 
 T = 0.04
 SOFT = {"E": 1e9, "nu": 0.0, "rho": 1000.0}
@@ -22,6 +36,10 @@ MESHES = {
     "leaning wall": lambda: wall(T, slope=0.7),
     "wall at the rim": lambda: wall(T, x=0.1),
     "two walls": lambda: two_walls(),
+    "skin": lambda: skinned(3),
+    "skin of second order": lambda: skin_of_tetrahedra(),
+    "skin that goes on": lambda: skinned(3, over=2),
+    "wall on a skin": lambda: wall_on_skin(),
 }
 
 
@@ -41,6 +59,44 @@ def two_walls():
                 squares(sides)[:, ::-1],
                 "sheet",
             ),
+        ]
+    )
+
+
+def skinned(n=6, over=0):
+    """A block with a sheet on top, which may go on beyond its end."""
+    x = np.linspace(0.0, 0.5, n + 1)
+    points, numbers = grid(x, np.linspace(0, 0.1, 3), np.linspace(-0.05, 0.0, 3))
+    longer = np.linspace(0.0, 0.5 * (n + over) / n, n + over + 1)
+    flat, sides = grid(longer, np.linspace(0, 0.1, 3))
+    skin = np.column_stack([flat, np.zeros(len(flat))])
+    return merged(
+        [(points, "hexahedron", bricks(numbers), "block"), (skin, "quad", squares(sides), "sheet")]
+    )
+
+
+def skin_of_tetrahedra():
+    """Of ten nodes, with triangles of six on their faces at the top."""
+    block = skinned(2).cells[0].data
+    kind, cells = simplices("hexahedron", block)
+    points, kind, cells = second_order(skinned(2).points, kind, cells)
+    faces = cells[:, SOLID_TYPES[kind].facets["triangle6"]].reshape(-1, 6)
+    top = faces[np.abs(points[faces, 2]).max(axis=1) < 1e-12]
+    return merged([(points, kind, cells, "block"), (points, "triangle6", top, "sheet")])
+
+
+def wall_on_skin(film="sheet"):
+    """A wall in the middle of a block with a skin: three shells meet in its foot."""
+    mesh = skinned(4)
+    along, up = np.linspace(0.0, 0.1, 3), np.linspace(0.0, 0.1, 3)
+    flat, sides = grid(along, up)
+    foot = np.column_stack([np.full(len(flat), 0.25), flat])
+    block, skin = (cells.data for cells in mesh.cells)
+    return merged(
+        [
+            (mesh.points, "hexahedron", block, "block"),
+            (mesh.points, "quad", skin, film),
+            (foot, "quad", squares(sides), "sheet"),
         ]
     )
 
@@ -161,18 +217,6 @@ def test_finer_solids_make_the_foot_of_a_wall_no_softer():
         case = Case(wall(n_t=layers, n=5), 0.02)
         frequencies.append(case.frequencies(case.dofs(case.at(None, None, -0.08), (0, 1, 2)), 1)[0])
     assert abs(frequencies[2] - frequencies[1]) < 0.6 * abs(frequencies[1] - frequencies[0])
-
-
-def skinned(n=6, over=0):
-    """A block with a sheet on top, which may go on beyond its end."""
-    x = np.linspace(0.0, 0.5, n + 1)
-    points, numbers = grid(x, np.linspace(0, 0.1, 3), np.linspace(-0.05, 0.0, 3))
-    longer = np.linspace(0.0, 0.5 * (n + over) / n, n + over + 1)
-    flat, sides = grid(longer, np.linspace(0, 0.1, 3))
-    skin = np.column_stack([flat, np.zeros(len(flat))])
-    return merged(
-        [(points, "hexahedron", bricks(numbers), "block"), (skin, "quad", squares(sides), "sheet")]
-    )
 
 
 def test_a_skin_stiffens_a_block_as_a_layer_of_solids():
@@ -335,14 +379,21 @@ def beside():
     )
 
 
+def skin_of_eight_nodes():
+    parts = [(skinned(2).points, cells.type, cells.data) for cells in skinned(2).cells]
+    names = ("block", "sheet")
+    return merged([(*second_order(*part), name) for part, name in zip(parts, names, strict=True)])
+
+
 @pytest.mark.parametrize(
     ("mesh", "shells", "words"),
     [
+        (skin_of_eight_nodes, 0.1, "4 shells with eight nodes lie on faces of solids"),
         (lone, 0.1, "1 nodes at which a shell touches a solid alone, as a hinge"),
         (beside, {"sheet": {"thickness": 0.1, "offset": 0.1}}, "found 0 of its thickness there"),
     ],
 )
-def test_joints_that_hold_no_moment_are_refused(mesh, shells, words):
+def test_joints_that_would_not_hold_are_refused(mesh, shells, words):
     with pytest.raises(PreprocessError, match=words):
         Case(mesh(), shells)
 
@@ -480,3 +531,31 @@ def test_shells_of_a_deck_that_no_group_names_are_told(tmp_path):
     path.write_text(f"{front}*ELEMENT, TYPE=S4, ELSET=other\n{first}\n{named}\n")
     with pytest.warns(MeshWarning, match="stiffness and mass of 1 shells, which are in no group"):
         assemble(tables().body.model_copy(update={"mesh": path}))
+
+
+def test_a_wall_on_a_skin_is_held_by_the_solid():
+    """However thin the skin: its own bending would leave the wall nearly free."""
+    thin, thick = (Case(wall_on_skin("film"), {"sheet": T, "film": film}) for film in (1e-5, 1e-4))
+    found = [
+        case.frequencies(case.dofs(case.at(None, None, -0.05)), 1)[0] for case in (thin, thick)
+    ]
+    assert found[0] == pytest.approx(found[1], rel=0.01)
+
+
+def test_shells_may_lose_energy_where_solids_do_not():
+    materials = {"block": STEEL, "rubber": STEEL | {"loss_factor": 0.1}}
+    shells = {"sheet": {"thickness": T, "material": "rubber"}}
+    damping = {"band": [50.0, 2000.0]}
+    tip = {"tip": {"plane": {"point": [1.0, 0, 0], "normal": [1, 0, 0]}}}
+    case = Case(
+        half_and_half((3, 2, 2)),
+        shells,
+        materials=materials,
+        material=None,
+        damping=damping,
+        interfaces=tip,
+    )
+    parts = lossy_parts(case.body, case.source)
+    A = case.nodes.rigid_motion(np.zeros(3))
+    assert list(parts) == ["rubber"]
+    assert np.abs(parts["rubber"] @ A).max() < 1e-8 * np.abs(parts["rubber"]).max()
