@@ -40,7 +40,7 @@ TRIANGLES = {
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """Points y (q, 3) [m] of the solid under a side of a shell, from its end `X`.
+    """Points y (q, 3) [m] of the solid under a side of a shell, from one of its ends.
 
     z (q,) [m]: heights in the shell; dual, weight (q,) [m^2]: areas times the dual and the plain
     shape of the end; nodes (q, k), N (q, k): of the facets there, filled up with zeros.
@@ -71,7 +71,7 @@ def junction_rows(mesh: MixedMesh, shells: Directors, heights: Mapping[str, Arra
     ----------
     mesh : MixedMesh
     shells : Directors
-        Of the shells.
+        The directors of the shells.
     heights : by type (n, 2) [m]
         Of the lower and upper faces of the shells over their nodes.
 

@@ -120,7 +120,8 @@ class MixedSource:
     def matrices(self) -> tuple[Any, Any]:
         parts = self.parts
         check_connected(self.mesh)
-        _ = self.solids.materials, self.shells.laminates
+        # Before anything expensive, and before directors of shells that are none.
+        _ = self.solids.materials, self.shells.shells
         check_jacobians(parts.solids)
         check_no_mixed_mechanism(parts)
         S, R = self.of_solids, self.of_shells

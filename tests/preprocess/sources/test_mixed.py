@@ -1,5 +1,6 @@
 """Solids and shells in one mesh: how they hang together, loads, sensors, fields, refusals."""
 
+import duhamel as du
 import numpy as np
 import pytest
 from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of
@@ -329,6 +330,15 @@ def test_interfaces_may_be_on_solids_shells_and_their_junction():
         assert np.abs(structure.K @ A).max() < 1e-12 * np.abs(structure.K).max()
 
 
+def test_a_part_in_python_names_its_shells():
+    part = du.Part(
+        half_and_half((3, 2, 2)), du.Material(**STEEL), shells={"sheet": {"thickness": T}}
+    )
+    part.interface("tip", du.plane(x=1.0), kind="rigid")
+    element = part.superelement(step=1e-4)
+    assert element.mass == pytest.approx(7850.0 * 0.2 * T)
+
+
 def test_a_superelement_of_both_has_modes_of_the_mesh_and_stresses():
     tip = {"tip": {"plane": {"point": [1.0, 0, 0], "normal": [1, 0, 0]}}}
     case = tables(interfaces=tip, recovery={"stress": True})
@@ -379,6 +389,17 @@ def beside():
     )
 
 
+def on_a_hinge():
+    """Two blocks that share an edge, with a wall on one of them."""
+    parts = []
+    for k in (0.0, 1.0):
+        points, numbers = grid([k, k + 1.0], [0.0, 1.0], [k, k + 1.0])
+        parts.append((points, "hexahedron", bricks(numbers), "block"))
+    flat, sides = grid([0.0, 1.0], [1.0, 2.0])
+    foot = np.column_stack([0.0 * flat[:, 0], flat])
+    return merged([*parts, (foot, "quad", squares(sides), "sheet")])
+
+
 def skin_of_eight_nodes():
     parts = [(skinned(2).points, cells.type, cells.data) for cells in skinned(2).cells]
     names = ("block", "sheet")
@@ -389,6 +410,7 @@ def skin_of_eight_nodes():
     ("mesh", "shells", "words"),
     [
         (skin_of_eight_nodes, 0.1, "4 shells with eight nodes lie on faces of solids"),
+        (on_a_hinge, 0.1, "the body is a mechanism: it has 7 motions"),
         (lone, 0.1, "1 nodes at which a shell touches a solid alone, as a hinge"),
         (beside, {"sheet": {"thickness": 0.1, "offset": 0.1}}, "found 0 of its thickness there"),
     ],
