@@ -31,7 +31,7 @@ MIN_SINE_TO_FACET = 1e-3  # of a fiber's way along the shell, below which it run
 STEPS_ON_FACET = 4  # of Newton's method, from flat triangles to curved facets
 MIN_RELATIVE_STIFFNESS = 0.02
 """of a turn that the slopes of fibers do not tell: below it the one about them is left"""
-TRIANGLES = {
+FACET_TRIANGLES = {
     3: [((0, 1, 2), ((0, 0), (1, 0), (0, 1)))],
     4: [((0, 1, 2), ((0, 0), (1, 0), (1, 1))), ((0, 2, 3), ((0, 0), (1, 1), (0, 1)))],
 }
@@ -260,7 +260,7 @@ def _through_corners(X: Array, x: Array, along: Array, reach: float) -> tuple[In
     """
     best = np.full(len(x), np.inf)
     facet, place = np.full(len(x), -1), np.zeros((len(x), 2))
-    for corners, reference in TRIANGLES[X.shape[1]]:
+    for corners, reference in FACET_TRIANGLES[X.shape[1]]:
         a, b, c = (X[:, corner] for corner in corners)
         normal = np.cross(b - a, c - a)
         size = np.linalg.norm(normal, axis=1)

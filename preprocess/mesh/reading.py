@@ -97,16 +97,18 @@ def finished(source: Path, draft: Draft, scale: float, shells: Iterable[str] = (
             f"{source}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=3
         )
     if draft.deck.no_shells and (n_shells or body_types[0] in FACET_TYPES):
-        _check_flat(source, draft.deck.no_shells, "in a group of [shells]" if n_shells else "")
+        _warn_of_flat(
+            source, draft.deck.no_shells, ", if in a group of [shells]" if n_shells else ""
+        )
     return mesh.without_loose_nodes() if len(loose) else mesh
 
 
-def _check_flat(source: Path, no_shells: Mapping[str, int], which: str) -> None:
+def _warn_of_flat(source: Path, no_shells: Mapping[str, int], which: str) -> None:
     """`MeshWarning` for flat elements of a deck that are no shells there, and are to be some."""
     counts = ", ".join(f"{count} {name}" for name, count in no_shells.items())
     warnings.warn(
-        f"{source}: read as shells{which and ', if ' + which}: {counts}; they bend and twist as "
-        "shells do, which they do not in the deck",
+        f"{source}: read as shells{which}: {counts}; they bend and twist as shells do, which they "
+        "do not in the deck",
         MeshWarning,
         stacklevel=4,
     )

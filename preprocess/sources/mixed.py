@@ -10,7 +10,13 @@ import scipy.sparse as sp
 
 from ...superelement.cells import padded
 from ...superelement.validation import Array
-from ..assembly.interfaces import Attachment, nodal_frame, point_frame, section_frame
+from ..assembly.interfaces import (
+    Attachment,
+    check_spread,
+    nodal_frame,
+    point_frame,
+    section_frame,
+)
 from ..assembly.selected import check_elements, mesh_nodes, nearest_node
 from ..assembly.source import FacePoints, FieldPoints, Resolution, Share
 from ..assembly.surface import mean_motion_of_sections
@@ -155,6 +161,9 @@ class MixedSource:
         if self.nodes.rotations[members].all():
             return section_frame(selection, members, self.nodes, self.shells.radius)
         # The ends of shells on solids turn as these do, and have no dofs of their own.
+        if selection.rigid and not self.nodes.rotations[members].any():
+            # Displacements of nodes on a line do not hold a frame against turns about it.
+            check_spread(self.mesh.points[members])
         X = self.mesh.points[members].mean(axis=0)
         X = X if selection.at is None else np.array(selection.at)
         ends = np.flatnonzero(np.isin(self.parts.of_shells, members))

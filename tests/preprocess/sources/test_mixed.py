@@ -330,6 +330,15 @@ def test_interfaces_may_be_on_solids_shells_and_their_junction():
         assert np.abs(structure.K @ A).max() < 1e-12 * np.abs(structure.K).max()
 
 
+def test_an_interface_on_the_foot_of_a_wall_turns_with_the_block():
+    foot = {"box": {"corners": [[0.0, 0.0, 0.0], [0.0, 0.2, 0.0]]}}
+    structure = assemble(Case(wall(), 0.02, interfaces={"foot": foot}).body)
+    moved = structure.P_C @ structure.nodes.rigid_motion(np.zeros(3)) @ [*SHIFT, *TURN]
+    np.testing.assert_allclose(moved, [*rigid(structure.frames["foot"].X), *TURN], atol=1e-12)
+    with pytest.raises(PreprocessError, match="three nodes that are not on a line"):
+        assemble(Case(wall(), 0.02, interfaces={"foot": foot | {"kind": "rigid"}}).body)
+
+
 def test_a_part_in_python_names_its_shells():
     part = du.Part(
         half_and_half((3, 2, 2)), du.Material(**STEEL), shells={"sheet": {"thickness": T}}
