@@ -131,10 +131,12 @@ def _rigid(survey: Survey) -> Iterator[Row]:
         "principal inertia [kg m^2]",
         components(np.linalg.eigvalsh(rigid.J_rot).astype(np.float64)),
     )
-    unit = survey.source.extent_unit
     for share in survey.shares:
         label = f"  {share.group}" if share.group else "  all elements"
-        yield label, f"{share.mass:.6g} kg, {share.extent:.6g} {unit}, {share.elements} elements"
+        yield (
+            label,
+            f"{share.mass:.6g} kg, {share.extent:.6g} {share.unit}, {share.elements} elements",
+        )
 
 
 def _channels(survey: Survey) -> Iterator[Row]:
@@ -199,14 +201,13 @@ def _frequencies(survey: Survey) -> Iterator[Row]:
     inside = int((frequencies.values <= band).sum())
     held = "all" if inside == len(frequencies.values) else str(inside)
     yield "band [Hz]", f"up to {band:.5g}, which holds {held} of these"
-    kind = survey.source.wave
     hint = (
         ""
         if wave.nodes >= wave.needed
         else f": the mesh is too coarse for it, {wave.needed} would do"
     )
     yield (
-        f"  shortest {kind} wave [m]",
+        f"  shortest {wave.wave} wave [m]",
         f"{wave.wavelength:.4g}, {wave.nodes:.3g} nodes where they are sparse{hint}",
     )
     if survey.body.impulse.band is not None:

@@ -59,7 +59,7 @@ def recover(
         stress = fields(points.stress_rows, structure.T, 6)
     turns = None
     # Points on the faces of shells are where outlines need them; sections of beams turn.
-    if structure.turns is not None and not isinstance(points, FacePoints):
+    if source.nodes.rotations.all() and not isinstance(points, FacePoints):
         turns = fields(points.displacement_rows, structure.turns, 3)
     by_forces = None if rest is None else _rest_of_fields(rest, len(X))
     return Recovery(X, points.cells, phi, stress, turns, points.labels, by_forces)

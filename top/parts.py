@@ -78,6 +78,7 @@ class Part:
     shell, shells : dict
         Of a mesh of triangles and quadrangles the thickness [m] and what else `[shell]` of body
         files has, of the whole mesh or of each group by name. Materials of groups are named there.
+        Beside solids the shells are those in the groups.
 
     Examples
     --------
@@ -122,7 +123,7 @@ class Part:
         if isinstance(mesh, str | os.PathLike):
             self._table |= {"mesh": Path(mesh), "scale": scale}
         else:
-            self._table["mesh"] = mesh_of(mesh, scale)
+            self._table["mesh"] = mesh_of(mesh, scale, shells or ())
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:

@@ -90,7 +90,7 @@ def point_frame(selection: Selection, members: IntArray, nodes: Nodes) -> Attach
     if len(members) == 1 and not selection.model_fields_set & {"kind", "at"}:
         return nodal_frame(int(members[0]), nodes)
     points = nodes.points[members]
-    _check_spread(points)
+    check_spread(points)
     X = points.mean(axis=0) if selection.at is None else np.array(selection.at)
     rows = mean_motion_of_points(members, X, nodes)
     fit = fit_of_points(members, nodes)
@@ -115,14 +115,14 @@ def facet_frame(
     selection: Selection, numbers: IntArray, faces: Surface, nodes: Nodes
 ) -> Attachment:
     """A frame with six dofs that the surface of facets `numbers` carries."""
-    _check_spread(nodes.points[faces.nodes])
+    check_spread(nodes.points[faces.nodes])
     X = faces.centroid if selection.at is None else np.array(selection.at)
     rows = mean_motion(faces, X, nodes)
     fit = fit_of_surface(faces, nodes)
     return Attachment(X, rows, faces.nodes, numbers, faces.area, selection.rigid, fit)
 
 
-def _check_spread(points: Array) -> None:
+def check_spread(points: Array) -> None:
     """`InterfaceError` unless there are three points that are not on a line."""
     # The second singular value is the extent across the line that fits best.
     radii = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)

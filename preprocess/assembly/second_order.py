@@ -213,7 +213,7 @@ def second_order(structure: Structure, source: Source, body: Body) -> SecondOrde
 
 def _source_dofs(structure: Structure, nodes: Nodes) -> Any:
     """T (n_source, n_u) sparse: all dofs of the source, whose nodes may follow rigid frames."""
-    if structure.turns is None:
+    if structure.turns is None or not nodes.rotations.all():
         # Nodes of solids have displacements alone; where beams and they meet, none follows.
         return sp.eye_array(nodes.n_dofs) if nodes.rotations.any() else structure.T
     by_kind = sp.vstack([structure.T, structure.turns], format="csr")

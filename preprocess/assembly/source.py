@@ -100,7 +100,7 @@ class FacePoints(FieldPoints):
 class Share:
     """The elements of one material, section or laminate: number, extent, and mass [kg].
 
-    extent: volume [m^3], area [m^2] of shells, or length [m] of lines.
+    extent: volume [m^3], area [m^2] of shells, or length [m] of lines, in its `unit`.
 
     group: that of the mesh; empty for the one of a whole body.
     """
@@ -108,6 +108,7 @@ class Share:
     group: str
     elements: int
     extent: float
+    unit: str
     mass: float
 
 
@@ -117,12 +118,13 @@ class Resolution:
 
     Of solids the wave is one of shear, c = sqrt(G / rho); of beams one of bending, c^2 = omega
     sqrt(EI / mass). needed: the nodes in a wavelength that carry it within about five per cent of
-    its speed.
+    its speed; wave: its kind, in words.
     """
 
     wavelength: float
     spacing: float
     needed: int
+    wave: str
 
     @property
     def nodes(self) -> float:
@@ -217,13 +219,7 @@ class Source(Protocol):
 
 
 class MeshSource(Source, Protocol):
-    """A source with elements, which can be surveyed and drawn.
-
-    extent_unit: that of `Share.extent`; wave: the kind of the shortest wave.
-    """
-
-    extent_unit: ClassVar[str]
-    wave: ClassVar[str]
+    """A source with elements, which can be surveyed and drawn."""
 
     @property
     def mesh(self) -> Mesh: ...

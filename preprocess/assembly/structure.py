@@ -53,7 +53,8 @@ class Structure:
     channels : ChannelRows, optional
         Rows of load patterns and sensors.
     turns : (3 n, n_u), sparse, optional
-        The rotations of the n points of the source; None where not all of them have rotations.
+        The rotations of the n points of the source, zeros for those that have none; None where none
+        has.
     lossy : mapping of str to (n_u, n_u)
         K of each group whose material loses energy, where loss factors differ.
     surfaces : Patches, optional
@@ -228,8 +229,18 @@ def interfaces_of(frames: Mapping[str, Attachment], center: Array) -> tuple[Inte
 
 
 def _turns(nodes: Nodes, T: Any) -> Any | None:
-    """The rows (3 n, n_u) of the rotations of nodes that all have six dofs."""
-    return T[(nodes.displacements + 3).ravel()] if nodes.rotations.all() else None
+    """The rows (3 n, n_u) of the rotations of nodes, zeros for those without; None for no turn."""
+    turning = nodes.first[nodes.rotations]
+    if not len(turning):
+        return None
+    rows = T[(turning[:, None] + np.arange(3, 6)).ravel()]
+    if len(turning) == len(nodes.points):
+        return rows
+    starts = np.zeros(3 * len(nodes.points) + 1, dtype=rows.indptr.dtype)
+    starts[1:][np.repeat(nodes.rotations, 3)] = np.diff(rows.indptr)
+    return sp.csr_array(
+        (rows.data, rows.indices, np.cumsum(starts)), shape=(len(starts) - 1, rows.shape[1])
+    )
 
 
 def largest_entry(data: Array) -> float:

@@ -45,13 +45,9 @@ def check_shells(body: ShellKeys) -> None:
             "impulse.solver: expected auto or factor of shells, found iterative, which does "
             "not converge on them"
         )
-    used = set()
     for key, shell in shells.items():
         for ply in shell.layers:
-            used.add(ply.material)
             _check_material(body, key, shell, ply.material)
-    if unused := [name for name in body.materials if name not in used]:
-        raise ValueError(f"materials.{unused[0]}: expected a shell of it, found none")
 
 
 def _check_material(body: ShellKeys, key: str, shell: Shell, name: str | None) -> None:

@@ -48,7 +48,7 @@ def solids_of(body: Body) -> SolidSource:
     """The mesh of a body; `BodyError` unless it is one of solids."""
     if body.matrices is None and isinstance(source := read_source(body), SolidSource):
         return source
-    found = "a mesh of lines or shells" if body.matrices is None else "[matrices]"
+    found = "a mesh with lines or shells" if body.matrices is None else "[matrices]"
     raise BodyError(f"expected a mesh of solids, whose surface a hammer hits, found {found}")
 
 

@@ -32,7 +32,7 @@ MIRRORED_NODES = {
 """the nodes of the same cell seen in a mirror; the first four tell which of both it is"""
 
 
-def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
+def mesh_of(given: Any, scale: float = 1.0, shells: Iterable[str] = ()) -> Mesh:
     """The mesh that a path or an object of another library is.
 
     Parameters
@@ -45,6 +45,8 @@ def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
         model is taken as it would be saved.
     scale : float [m]
         Its unit of length.
+    shells : iterable of str
+        The groups whose triangles and quadrangles are shells, if there are solids too.
 
     Returns
     -------
@@ -64,16 +66,16 @@ def mesh_of(given: Any, scale: float = 1.0) -> Mesh:
     if isinstance(given, Mesh):
         return given
     if isinstance(given, str | Path):
-        return read_mesh(given, scale)
+        return read_mesh(given, scale, shells)
     if isinstance(given, ModuleType) and given.__name__ == "gmsh":
-        return _of_gmsh(given, scale)
+        return _of_gmsh(given, scale, shells)
     source = Path(f"mesh in memory ({_named(given)})")
     try:
         draft = _draft(given)
     except MeshError as error:
         raise MeshError(f"{source}: {error}") from error
     check_points(source, draft)
-    return finished(source, draft, scale)
+    return finished(source, draft, scale, shells)
 
 
 def _named(given: Any) -> str:
@@ -97,7 +99,7 @@ def _draft(given: Any) -> Draft:
     raise MeshError(f"expected {MESH_FORMS}, found {given!r:.80}")
 
 
-def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
+def _of_gmsh(gmsh: Any, scale: float, shells: Iterable[str]) -> Mesh:
     """The model of a session, by the file that it would save."""
     if not gmsh.isInitialized():
         raise MeshError("gmsh: expected a session with a meshed model, found none")
@@ -105,7 +107,7 @@ def _of_gmsh(gmsh: Any, scale: float) -> Mesh:
         # Its file has the groups, orders and types already, which one reader knows.
         path = Path(folder) / f"{gmsh.model.getCurrent() or 'gmsh'}.msh"
         gmsh.write(str(path))
-        return read_mesh(path, scale)
+        return read_mesh(path, scale, shells)
 
 
 def _of_arrays(points: Any, cells: Any) -> Draft:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..errors import MeshError
+from .cells import CELL_DIMENSIONS
 
 IntArray = NDArray[np.int64]
 NO_NODES: IntArray = np.zeros(0, dtype=np.int64)
@@ -40,7 +41,8 @@ class Mesh:
     """Points (n, 3) [m]; cells (n_cells, k) by type, both as meshio names and orders; groups.
 
     labels (n,): the numbers that the file gives to points, None if none; geometry: what it was
-    made of, of a CAD file.
+    made of, of a CAD file; shells: by type, the rows of cells (m,) that are shells beside the
+    solids.
 
     `body_types` are the types of the cells that make the body: lines alone, or shells or solid
     cells of one or more types. Elements are counted through these types in their order: number n is
@@ -54,13 +56,31 @@ class Mesh:
     body_types: tuple[str, ...]
     labels: IntArray | None = None
     geometry: CadGeometry | None = None
+    shells: Mapping[str, IntArray] = field(default_factory=dict)
+
+    def with_shells(self, groups: Iterable[str]) -> "Mesh":
+        """The mesh of solids whose triangles and quadrangles in these groups are shells.
+
+        The same of other meshes; groups that it lacks are passed over.
+        """
+        if CELL_DIMENSIONS.get(self.body_types[0], 3) < 3:
+            return self
+        found: dict[str, list[IntArray]] = {}
+        for group in (self.groups[name] for name in groups if name in self.groups):
+            for kind, rows in group.cells.items():
+                if CELL_DIMENSIONS.get(kind) == 2:
+                    found.setdefault(kind, []).append(rows)
+        rows_of = {kind: np.unique(np.concatenate(rows)) for kind, rows in found.items()}
+        return replace(self, shells=rows_of)
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """True (n,) for points that are nodes of an element."""
+        """True (n,) for points that are nodes of an element, shells beside solids included."""
         used = np.zeros(len(self.points), dtype=np.bool_)
         for cells in self.elements.values():
             used[cells] = True
+        for kind, rows in self.shells.items():
+            used[self.cells[kind][rows]] = True
         return used
 
     @property
@@ -161,30 +181,47 @@ class Mesh:
         """
         used = self.used
         new_row = np.cumsum(used) - 1
-        whole = {
-            kind: np.flatnonzero(used[cells].all(axis=1)) for kind, cells in self.cells.items()
-        }
+        whole = self.only(
+            {kind: np.flatnonzero(used[cells].all(axis=1)) for kind, cells in self.cells.items()}
+        )
 
-        def remaining(group: Group) -> Group:
+        def remaining(name: str, group: Group) -> Group:
             nodes = [
-                group.points,
-                *(self.cells[kind][rows].ravel() for kind, rows in group.cells.items()),
+                self.groups[name].points,
+                *(self.cells[kind][rows].ravel() for kind, rows in self.groups[name].cells.items()),
             ]
             named = np.unique(np.concatenate(nodes))
-            cells = {
-                kind: np.flatnonzero(np.isin(whole[kind], rows))
-                for kind, rows in group.cells.items()
-            }
             return Group(
-                {kind: rows for kind, rows in cells.items() if len(rows)},
+                group.cells,
                 new_row[group.points[used[group.points]]],
                 self.points[named[~used[named]]],
             )
 
         return replace(
-            self,
+            whole,
             points=self.points[used],
-            cells={kind: new_row[cells[whole[kind]]] for kind, cells in self.cells.items()},
-            groups={name: remaining(group) for name, group in self.groups.items()},
+            cells={kind: new_row[cells] for kind, cells in whole.cells.items()},
+            groups={name: remaining(name, group) for name, group in whole.groups.items()},
             labels=None if self.labels is None else self.labels[used],
+        )
+
+    def only(self, rows: Mapping[str, IntArray]) -> "Mesh":
+        """The mesh with some of its cells, by type the rows of those, and all of its points."""
+
+        def remaining(members: Mapping[str, IntArray]) -> dict[str, IntArray]:
+            cells = {
+                kind: np.flatnonzero(np.isin(rows[kind], chosen))
+                for kind, chosen in members.items()
+                if kind in rows
+            }
+            return {kind: found for kind, found in cells.items() if len(found)}
+
+        return replace(
+            self,
+            cells={kind: self.cells[kind][chosen] for kind, chosen in rows.items()},
+            groups={
+                name: replace(group, cells=remaining(group.cells))
+                for name, group in self.groups.items()
+            },
+            shells=remaining(self.shells),
         )

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
@@ -67,31 +67,51 @@ MESH_SIZES = (1e-12, 1e12)
 MAX_WARNED_NODES = 3
 
 
-def read_mesh(path: str | os.PathLike[str], scale: float = 1.0) -> Mesh:
+def read_mesh(path: str | os.PathLike[str], scale: float = 1.0, shells: Iterable[str] = ()) -> Mesh:
     """Read a mesh and its groups; coordinates are multiplied by `scale`, the unit of the file [m].
 
     The file of each format in `formats` says how it names groups. `MeshError` if the file
     cannot be read, or holds cells that are neither lines, shells nor solids. `MeshWarning` if it
-    holds more than is read of it: nodes that belong to no element are left out.
+    holds more than is read of it: nodes that belong to no element are left out. shells: the groups
+    whose triangles and quadrangles are shells, if there are solids too.
     """
     path = Path(path)
-    return finished(path, read_draft(path), scale)
+    return finished(path, read_draft(path), scale, shells)
 
 
-def finished(source: Path, draft: Draft, scale: float) -> Mesh:
+def finished(source: Path, draft: Draft, scale: float, shells: Iterable[str] = ()) -> Mesh:
     """The mesh of a draft, in meters; errors and warnings as of `read_mesh` name the source."""
     cells = {kind: rows for kind, rows in draft.cells.items() if len(rows)}
     points = _scaled(source, draft.points, scale)
     body_types = _body_types(source.name, cells, draft.lost)
     mesh = Mesh(source.name, points, cells, draft.groups, body_types, draft.labels)
+    mesh = mesh.with_shells(shells)
     # Reference points and construction geometry would make the stiffness singular.
     loose = draft.points[~mesh.used]
-    lost = [*draft.lost, *([_described(loose)] if len(loose) else [])]
+    n_shells = sum(map(len, mesh.shells.values()))
+    lost = [*draft.lost, *draft.deck.not_in_the_body(cells, n_shells)]
+    if len(loose):
+        lost.append(_described(loose))
     if lost:
         warnings.warn(
             f"{source}: left out: {'; '.join(dict.fromkeys(lost))}", MeshWarning, stacklevel=3
         )
+    if draft.deck.no_shells and (n_shells or body_types[0] in FACET_TYPES):
+        _warn_of_flat(
+            source, draft.deck.no_shells, ", if in a group of [shells]" if n_shells else ""
+        )
     return mesh.without_loose_nodes() if len(loose) else mesh
+
+
+def _warn_of_flat(source: Path, no_shells: Mapping[str, int], which: str) -> None:
+    """`MeshWarning` for flat elements of a deck that are no shells there, and are to be some."""
+    counts = ", ".join(f"{count} {name}" for name, count in no_shells.items())
+    warnings.warn(
+        f"{source}: read as shells{which}: {counts}; they bend and twist as shells do, which they "
+        "do not in the deck",
+        MeshWarning,
+        stacklevel=4,
+    )
 
 
 def _scaled(source: Path, points: Array, scale: float) -> Array:

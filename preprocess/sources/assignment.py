@@ -31,13 +31,13 @@ class Assignment(Generic[Property]):
         """The properties in the order of their numbers."""
         return list(self.properties.values())
 
-    def shares(self, extents: Array) -> tuple[Share, ...]:
+    def shares(self, extents: Array, unit: str) -> tuple[Share, ...]:
         """The share of each property, from the length or volume (n_elements,) of every element."""
         shares = []
         for number, (group, value) in enumerate(self.properties.items()):
             members = extents[self.owners == number]
             total = float(members.sum())
-            shares.append(Share(group, len(members), total, value.density * total))
+            shares.append(Share(group, len(members), total, unit, value.density * total))
         return tuple(shares)
 
 

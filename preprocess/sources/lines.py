@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import scipy.sparse as sp
@@ -35,9 +35,6 @@ NODES_PER_WAVE = 4  # nodes in a wavelength: waves run too fast by sqrt(10) / pi
 @dataclass(frozen=True, eq=False)
 class LineSource:
     """A mesh of lines with sections; every node has six dofs."""
-
-    extent_unit: ClassVar[str] = "m"
-    wave: ClassVar[str] = "bending"
 
     mesh: Mesh
     body: Body
@@ -145,11 +142,11 @@ class LineSource:
         return FieldPoints(nodes, self.mesh.cells["line"], labels=self.mesh.labels)
 
     def shares(self) -> tuple[Share, ...]:
-        return self.sections.shares(lengths(self.mesh))
+        return self.sections.shares(lengths(self.mesh), "m")
 
     def resolution(self, frequency: float) -> Resolution:
         shortest = min(section.shortest_wave(frequency) for section in self.sections.values)
-        return Resolution(shortest, float(lengths(self.mesh).max()), NODES_PER_WAVE)
+        return Resolution(shortest, float(lengths(self.mesh).max()), NODES_PER_WAVE, "bending")
 
     def bending_excess(self) -> float:
         """Lines hold pure bending exactly."""

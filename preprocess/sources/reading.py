@@ -86,11 +86,13 @@ def read_mesh_source(body: Body) -> MeshSource:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
     # A mesh in memory was scaled when it was made.
     if isinstance(body.mesh, Mesh):
-        mesh = body.mesh
+        mesh = body.mesh.with_shells(body.shells)
+        # Made with shells that this body does not have.
+        mesh = mesh if mesh.used.all() else mesh.without_loose_nodes()
     elif is_cad(body.mesh):
         mesh = mesh_of_cad(body, body.mesh)
     else:
-        mesh = read_mesh(body.mesh, body.scale)
+        mesh = read_mesh(body.mesh, body.scale, body.shells)
     if body.order == 2:
         mesh = quadratic(mesh)
     if mesh.body_types == LINE_CELLS:
@@ -100,14 +102,42 @@ def read_mesh_source(body: Body) -> MeshSource:
     if set(mesh.body_types) <= set(FACET_TYPES):
         from .shells import ShellSource
 
+        _check_used(body)
         return ShellSource(divided(mesh), body)
-    if body.shell is not None or body.shells:
-        raise BodyError(
-            f"{mesh.name}: [shell] is for a mesh of triangles and quadrangles alone, found "
-            f"{', '.join(mesh.body_types)}: shells beside solids are not supported: make two "
-            "bodies, and fix a rigid interface of one to one of the other"
-        )
     # scikit-fem takes its time to import, and lines do without.
+    if body.shell is not None or body.shells:
+        from .mixed import MixedSource
+
+        return MixedSource(_with_all_shells(mesh, body), body)
     from .solids import SolidSource
 
     return SolidSource(mesh, body)
+
+
+def _check_used(body: Body) -> None:
+    """`BodyError` for a material that no shell has."""
+    used = {ply.material for shell in body.shells_by_key.values() for ply in shell.layers}
+    if unused := [name for name in body.materials if name not in used]:
+        raise BodyError(f"materials.{unused[0]}: expected a shell of it, found none")
+
+
+def _with_all_shells(mesh: Mesh, body: Body) -> Mesh:
+    """A mesh with solids too; `BodyError` unless each group of [shells] has its shells in it."""
+    if body.shell is not None:
+        raise BodyError(
+            f"{mesh.name}: beside {', '.join(mesh.body_types)} expected [shells.GROUP], which "
+            "tells shells from facets of solids, found [shell]"
+        )
+    for name in body.shells:
+        group = mesh.group(name)
+        if len(group.loose):
+            raise BodyError(
+                f"shells.{name}: {len(group.loose)} nodes of the group were left out of the mesh "
+                "when it was made: pass shells to mesh_of"
+            )
+        if not set(group.cells) & set(mesh.shells):
+            raise BodyError(
+                f"shells.{name}: expected triangles or quadrangles in the group, found "
+                f"{', '.join(group.kinds) or 'nothing'}"
+            )
+    return mesh

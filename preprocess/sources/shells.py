@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -57,9 +57,6 @@ MIN_SINE_TO_NORMAL = 1e-3
 @dataclass(frozen=True, eq=False)
 class ShellSource:
     """A mesh of triangles and quadrangles; every node has six dofs."""
-
-    extent_unit: ClassVar[str] = "m^2"
-    wave: ClassVar[str] = "bending"
 
     mesh: Mesh
     body: Body
@@ -122,6 +119,10 @@ class ShellSource:
 
     def matrices(self) -> tuple[Any, Any]:
         check_connected(self.mesh)
+        return self.sums()
+
+    def sums(self) -> tuple[Any, Any]:
+        """K and M (n_u, n_u) of shells that need not hang together."""
         laminates = self.laminates
         return shell_matrices(self.mesh, self.shells, laminates.values, laminates.owners)
 
@@ -233,10 +234,10 @@ class ShellSource:
         if selection.node is not None:
             return nodal_frame(nearest_node(selection, mesh.points, mesh.size), self.nodes)
         members = mesh_nodes(selection, mesh)
-        return section_frame(selection, members, self.nodes, self._radius)
+        return section_frame(selection, members, self.nodes, self.radius)
 
     @cached_property
-    def _radius(self) -> float:
+    def radius(self) -> float:
         """The radius of gyration of a section, of the mean thickness [m]."""
         # One for all: it only weighs rotations beside displacements, and rigid motions stay exact.
         thickness = [laminate.z[1] - laminate.z[0] for laminate in self.laminates.values]
@@ -289,7 +290,7 @@ class ShellSource:
             (shells.frames(shells.shape.xi).areas @ shells.shape.weights)
             for shells in self.shells.values()
         ]
-        return self.laminates.shares(np.concatenate(areas))
+        return self.laminates.shares(np.concatenate(areas), "m^2")
 
     def resolution(self, frequency: float) -> Resolution:
         shortest = min(laminate.shortest_wave(frequency) for laminate in self.laminates.values)
@@ -298,7 +299,7 @@ class ShellSource:
             corners = self.mesh.points[cells]
             edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
             spacing = max(spacing, float(edges.max()))
-        return Resolution(shortest, spacing, SHELL_NODES_PER_WAVE)
+        return Resolution(shortest, spacing, SHELL_NODES_PER_WAVE, "bending")
 
     def bending_excess(self) -> float:
         """Bending without transverse shear is held by the assumed strains."""

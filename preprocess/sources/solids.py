@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -53,9 +53,6 @@ STIFF_IN_VOLUME = ("tetra", "wedge")
 @dataclass(frozen=True, eq=False)
 class SolidSource:
     """A mesh of solids with materials; every node has three dofs."""
-
-    extent_unit: ClassVar[str] = "m^3"
-    wave: ClassVar[str] = "shear"
 
     mesh: Mesh
     body: Body
@@ -214,7 +211,7 @@ class SolidSource:
         return FieldPoints(points.nodes, points.cells, strains, C, points.owners, labels)
 
     def shares(self) -> tuple[Share, ...]:
-        return self.materials.shares(volumes(self.mesh))
+        return self.materials.shares(volumes(self.mesh), "m^3")
 
     def resolution(self, frequency: float) -> Resolution:
         shortest = min(material.shortest_wave(frequency) for material in self.materials.values)
@@ -224,7 +221,7 @@ class SolidSource:
             edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
             quadratic = nodes.shape[1] > FACET_TYPES[kind].corners
             spacing = max(spacing, float(edge) / (2 if quadratic else 1))
-        return Resolution(shortest, spacing, SOLID_NODES_PER_WAVE[quadratic])
+        return Resolution(shortest, spacing, SOLID_NODES_PER_WAVE[quadratic], "shear")
 
     def bending_excess(self) -> float:
         return bending_excess(self.mesh, self.materials.values, self.materials.owners)

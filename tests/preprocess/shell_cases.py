@@ -12,17 +12,22 @@ KINDS = ("quad", "triangle")
 IMPULSE = {"step": 1e-4, "steps": 20}
 
 
-class Grid:
-    """A grid of n_r by n_s shells, mapped to space by place(r, s), with its matrices.
+def cells_of_grid(numbers: Any, kind: str) -> Any:
+    """The quadrangles of a grid of numbers, or their halves."""
+    corners = [numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]]
+    quads = np.stack(corners, axis=2).reshape(-1, 4)
+    halves = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return quads if kind == "quad" else halves
 
-    r, s (n,): the parameters of the nodes.
-    """
+
+class Sheet:
+    """Shells of one type with their matrices, and what they do under loads."""
 
     def __init__(
         self,
-        place: Callable[[float, float], Any],
-        n: tuple[int, int],
-        kind: str = "quad",
+        points: Any,
+        kind: str,
+        cells: Any,
         *,
         thickness: float | None,
         E: float = 1.0,
@@ -31,14 +36,6 @@ class Grid:
         material: Any = None,
         **shell: Any,
     ) -> None:
-        r, s = np.meshgrid(*(np.linspace(0.0, 1.0, k + 1) for k in n), indexing="ij")
-        self.r, self.s = r.ravel(), s.ravel()
-        points = np.array([place(a, b) for a, b in zip(self.r, self.s, strict=True)])
-        numbers = np.arange(len(points)).reshape(r.shape)
-        corners = [numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]]
-        quads = np.stack(corners, axis=2).reshape(-1, 4)
-        halves = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-        cells = quads if kind == "quad" else halves
         body = {
             "name": "grid",
             "mesh": mesh_of((points, {kind: cells})),
@@ -51,13 +48,6 @@ class Grid:
         self.source = ShellSource(self.body.mesh, self.body)
         self.points = self.source.mesh.points
         self.K, self.M = self.source.matrices()
-
-    def at(self, r: float | None = None, s: float | None = None) -> Any:
-        """The nodes on a line or at a point of the grid."""
-        on = np.ones(len(self.r), dtype=bool)
-        for given, found in ((r, self.r), (s, self.s)):
-            on &= True if given is None else np.abs(found - given) < 1e-9
-        return np.flatnonzero(on)
 
     def dofs(self, nodes: Any, *which: int) -> Any:
         return (6 * np.asarray(nodes)[:, None] + np.array(which or range(6))).ravel()
@@ -86,3 +76,30 @@ class Grid:
         shift = 1e-4 * K.diagonal().sum() / M.diagonal().sum()
         squares = sl.eigsh(K, count, M, sigma=-shift, return_eigenvectors=False)
         return np.sqrt(np.abs(np.sort(squares))) / (2.0 * np.pi)
+
+
+class Grid(Sheet):
+    """A grid of n_r by n_s shells, mapped to space by place(r, s).
+
+    r, s (n,): the parameters of the nodes.
+    """
+
+    def __init__(
+        self,
+        place: Callable[[float, float], Any],
+        n: tuple[int, int],
+        kind: str = "quad",
+        **given: Any,
+    ) -> None:
+        r, s = np.meshgrid(*(np.linspace(0.0, 1.0, k + 1) for k in n), indexing="ij")
+        self.r, self.s = r.ravel(), s.ravel()
+        points = np.array([place(a, b) for a, b in zip(self.r, self.s, strict=True)])
+        numbers = np.arange(len(points)).reshape(r.shape)
+        super().__init__(points, kind, cells_of_grid(numbers, kind), **given)
+
+    def at(self, r: float | None = None, s: float | None = None) -> Any:
+        """The nodes on a line or at a point of the grid."""
+        on = np.ones(len(self.r), dtype=bool)
+        for given, found in ((r, self.r), (s, self.s)):
+            on &= True if given is None else np.abs(found - given) < 1e-9
+        return np.flatnonzero(on)

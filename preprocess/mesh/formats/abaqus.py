@@ -20,7 +20,7 @@ from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
 from .abaqus_deck import Keyword, keywords
 from .abaqus_parts import Instance, Sets, read_instances
-from .draft import Draft, Sequence
+from .draft import Deck, Draft, Sequence
 
 # Corners of the faces S1, S2, ... of each solid.
 _FACES = {
@@ -40,7 +40,8 @@ _FACES = {
 def read(path: Path) -> Draft:
     """A mesh of Abaqus; `MeshError` if the file is damaged, or generates its mesh by commands."""
     lost: list[str] = []
-    instances = read_instances(path, lost)
+    deck = Deck()
+    instances = read_instances(path, lost, deck)
     nodes, elements = _Family("node", lost), _Family("element", lost)
     for name, instance in instances.items():
         nodes.add(name, instance.part.numbers, instance.part.nsets)
@@ -53,7 +54,7 @@ def read(path: Path) -> Draft:
     draft = Draft(
         np.concatenate([instance.points for instance in instances.values()]), lost, labels
     )
-    draft.axes = partial(_no_axes, path)
+    draft.axes, draft.deck = partial(_no_axes, path), deck
     sequence = Sequence(draft)
     for name, instance in instances.items():
         for kind, _, members in instance.part.elements:

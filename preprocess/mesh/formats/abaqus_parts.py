@@ -13,7 +13,7 @@ from ...errors import MeshError
 from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES, IntArray
 from .abaqus_deck import Keyword, keywords
-from .draft import not_in_the_body
+from .draft import Deck
 
 # Types of cells by the names of elements: solids, whatever makes facets, trusses and beams.
 _KINDS = (
@@ -36,6 +36,16 @@ _KINDS = (
 # Shells and beams, which carry load in the deck. Membranes and trusses are what Gmsh writes for
 # groups of surfaces and lines.
 _STRUCTURAL = re.compile(r"(STRI|S|B)\d\w*")
+# Flat elements that are no shells: what they are in the deck.
+_FLAT = {
+    "CPS": "plane stress",
+    "CPE": "plane strain",
+    "CAX": "axially symmetric",
+    "M3D": "membranes",
+    "SFM3D": "surfaces without stiffness",
+    "R3D": "rigid",
+}
+_NO_SHELLS = re.compile(rf"({'|'.join(_FLAT)})\d")
 # The center of a C3D27 stands before the middles of its faces 1 to 6.
 _ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
 _GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
@@ -45,6 +55,7 @@ _CONNECTIONS = (
     "EQUATION",
     "COUPLING",
     "KINEMATIC COUPLING",
+    "SHELL TO SOLID COUPLING",
     "RIGID BODY",
     "EMBEDDED ELEMENT",
 )
@@ -115,17 +126,15 @@ class Instance:
         return np.asarray(self.axis_point + points @ self.rotation.T)
 
 
-def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
+def read_instances(path: Path, lost: list[str], deck: Deck) -> dict[str, Instance]:
     """The instances by name in upper case; the nameless one has the contents outside parts.
 
-    What the file has and a mesh does not is put into words and added to `lost`.
+    What the file has and a mesh does not is put into words and added to `lost`, and to the deck.
     """
     assembly = part = Part()
     parts: dict[str, Part] = {}
     instances = {"": Instance("", assembly, np.zeros(3), np.zeros(3), np.eye(3))}
     left_out: Counter[str] = Counter()
-    structural: Counter[str] = Counter()
-    materials: list[str] = []
     for keyword in keywords(path):
         match keyword.name:
             case "PART":
@@ -148,9 +157,11 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
                 if (added := _add_elements(part, keyword)) is None:
                     left_out[f"elements of type {kind}"] += len(keyword.data)
                 elif _STRUCTURAL.fullmatch(kind):
-                    structural[kind] += added
+                    deck.structural[kind] += added
+                elif found := _NO_SHELLS.match(kind):
+                    deck.no_shells[f"{kind} ({_FLAT[found[1]]})"] += added
             case "MATERIAL":
-                materials.append(keyword.get("NAME"))
+                deck.materials.append(keyword.get("NAME"))
             case "NSET":
                 part.nsets.add(keyword["NSET"], _entries(keyword), "INTERNAL" in keyword.parameters)
             case "ELSET":
@@ -167,8 +178,6 @@ def read_instances(path: Path, lost: list[str]) -> dict[str, Instance]:
             case name if name in _CONNECTIONS:
                 left_out[f"*{name}"] += 1
     lost.extend(f"{name} ({count})" for name, count in left_out.items())
-    kinds = {kind for instance in instances.values() for kind, *_ in instance.part.elements}
-    lost.extend(not_in_the_body(kinds, structural, materials))
     return instances
 
 

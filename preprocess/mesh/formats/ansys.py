@@ -16,7 +16,7 @@ from ....superelement.validation import Array
 from ...errors import MeshError
 from ..mesh import NO_NODES, IntArray
 from ..numbering import Numbering
-from .draft import Draft, Sequence, not_in_the_body
+from .draft import Draft, Sequence
 from .text import Line, lines
 
 _SOLIDS = {
@@ -68,7 +68,7 @@ def read(path: Path) -> Draft:
     draft = Draft(values[:, :3].copy(), [], labels)
     draft.axes = lambda: _no_axes(labels, values[:, 3:])
     numbers, sequence = _add_elements(draft, blocks["EBLOCK"], types, Numbering(labels, "node"))
-    draft.lost.extend(not_in_the_body(draft.cells, {}, materials))
+    draft.deck.materials = materials
     for block in blocks["CMBLOCK"]:
         _add_component(draft, block, Numbering(labels, "node"), numbers, sequence)
     return draft

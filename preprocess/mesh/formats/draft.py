@@ -1,7 +1,8 @@
 """A mesh while its file is being read."""
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,42 @@ BEAM_PREFIXES = ("B", "CBAR", "CBEAM", "CROD", "CTUBE")
 """What the names of beams begin with, of Abaqus and of Nastran."""
 
 
+@dataclass
+class Deck:
+    """What a deck computes with, and a mesh does not have.
+
+    structural: the numbers of shells and beams by the names of their types, whose faces and lines
+    are groups alone where the body is of other elements. no_shells: those of other flat elements,
+    such as membranes. materials: in words.
+    """
+
+    structural: Counter[str] = field(default_factory=Counter)
+    no_shells: Counter[str] = field(default_factory=Counter)
+    materials: list[str] = field(default_factory=list)
+
+    def not_in_the_body(self, kinds: Iterable[str], n_shells: int) -> Iterator[str]:
+        """What the body of a mesh with cells of these types leaves out, in words.
+
+        n_shells: the cells that are shells beside solids.
+        """
+        kinds = set(kinds)
+        beams = {name: n for name, n in self.structural.items() if name.startswith(BEAM_PREFIXES)}
+        left, beside = dict(self.structural), "solid elements, shells and beams"
+        if kinds.isdisjoint(SOLID_TYPES):
+            left, beside = {} if kinds.isdisjoint(FACET_TYPES) else beams, "shells, beams"
+        elif n_shells:
+            others = sum(self.structural.values()) - sum(beams.values()) - n_shells
+            if others > 0:
+                yield f"stiffness and mass of {others} shells, which are in no group of [shells]"
+            left, beside = beams, "solid elements and shells, beams"
+        if left:
+            counts = ", ".join(f"{count} {name}" for name, count in left.items())
+            yield f"stiffness and mass of {counts}: beside {beside} serve as groups alone"
+        if self.materials:
+            listed = ", ".join(dict.fromkeys(self.materials))
+            yield f"materials {listed}: those of the body file are used"
+
+
 class Draft:
     """Points (n, 3), cells and groups of a file, in its order.
 
@@ -21,7 +58,8 @@ class Draft:
     `lost` tells in words what the file holds and the draft does not; labels (n,) are the numbers
     that it gives to points, None if none. axes() (n, 3, 3): the axes of the displacements of points
     as rows, None where all have those of the file; scalars: the numbers of scalar points. by_label:
-    whether matrices of the program have their rows in the order of the numbers.
+    whether matrices of the program have their rows in the order of the numbers. deck: what the
+    program computes with.
     """
 
     def __init__(
@@ -32,6 +70,7 @@ class Draft:
         self.axes: Callable[[], Array | None] = lambda: None
         self.scalars = NO_NODES
         self.by_label = False
+        self.deck = Deck()
         self.lost = [] if lost is None else lost
         self._blocks: dict[str, list[IntArray]] = {}
         self._counts: Counter[str] = Counter()
@@ -74,27 +113,6 @@ class Draft:
             points = np.unique(np.concatenate([NO_NODES, *self._points.get(name, [])]))
             groups[name] = Group({kind: rows for kind, rows in cells.items() if len(rows)}, points)
         return {name: group for name, group in groups.items() if group.kinds}
-
-
-def not_in_the_body(
-    kinds: Iterable[str], structural: Mapping[str, int], materials: Collection[str]
-) -> Iterator[str]:
-    """What a deck computes with and a body does not, in words.
-
-    kinds: the types of all cells; structural: the numbers of shells, beams and the like by the
-    names of their types in the deck, whose faces and lines serve as groups beside solids, and lines
-    beside shells.
-    """
-    kinds = set(kinds)
-    solids = not kinds.isdisjoint(SOLID_TYPES)
-    beams = {name: count for name, count in structural.items() if name.startswith(BEAM_PREFIXES)}
-    if left := structural if solids else beams if not kinds.isdisjoint(FACET_TYPES) else {}:
-        counts = ", ".join(f"{count} {name}" for name, count in left.items())
-        beside = "solid elements, shells and beams" if solids else "shells, beams"
-        yield f"stiffness and mass of {counts}: beside {beside} serve as groups alone"
-    if materials:
-        listed = ", ".join(dict.fromkeys(materials))
-        yield f"materials {listed}: those of the body file are used"
 
 
 class Sequence:

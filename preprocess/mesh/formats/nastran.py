@@ -18,7 +18,7 @@ from ...errors import MeshError
 from ..cells import NODES_PER_CELL
 from ..mesh import NO_NODES
 from ..numbering import Numbering
-from .draft import Draft, not_in_the_body
+from .draft import Draft
 from .nastran_deck import Card, read_cards
 from .nastran_frames import frame_of
 
@@ -102,10 +102,12 @@ def read(path: Path) -> Draft:
     draft.axes = partial(_axes, grids, default_axes, points, systems)
     draft.by_label = True
     _add_elements(draft, elements, numbering, names)
-    structural = Counter(
-        card.name for card in elements if card.name in _PARTS and _property(card) in properties
-    )
-    draft.lost.extend(not_in_the_body(draft.cells, structural, materials))
+    draft.deck.materials = materials
+    for card in elements:
+        if card.name == "CSHEAR":
+            draft.deck.no_shells["CSHEAR (panels that carry shear alone)"] += 1
+        if card.name in _PARTS and _property(card) in properties:
+            draft.deck.structural[card.name] += 1
     for card in sets:
         _add_points(draft, card, numbering)
     return draft

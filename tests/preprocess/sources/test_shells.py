@@ -342,11 +342,14 @@ def test_normals_matter_to_plies_at_an_angle(angle, sided):
         assemble(Body.model_validate(body))
 
 
-def test_a_shell_beside_solids_and_a_shell_of_lines_are_refused():
+def test_a_shell_without_a_group_beside_solids_and_a_shell_of_lines_are_refused():
     points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     body = grouped() | {"shells": {}, "shell": {"thickness": 0.1, "material": "steel"}}
     body |= {"materials": {"steel": STEEL}}
-    for cells, words in ((SOLID_CELL, "beside solids"), ({"line": [[0, 1], [1, 2]]}, "lines")):
+    for cells, words in (
+        (SOLID_CELL, "expected .shells.GROUP., which"),
+        ({"line": [[0, 1], [1, 2]]}, "lines"),
+    ):
         mesh = mesh_of((points[: 4 if "tetra" in cells else 3], cells))
         with pytest.raises(BodyError, match=words):
             assemble(Body.model_validate(body | {"mesh": mesh}))

@@ -250,3 +250,24 @@ def test_where_shells_are_all_there_is_they_are_the_body(written):
     beams = "*ELEMENT, TYPE=B31\n3, 1, 5\n"
     with pytest.warns(MeshWarning, match="stiffness and mass of 1 B31: beside shells, beams serve"):
         read_mesh(written(nodes + shells + beams))
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("CPS4", "plane stress"),
+        ("CPE4R", "plane strain"),
+        ("CAX4", "axially symmetric"),
+        ("M3D4", "membranes"),
+        ("SFM3D4R", "surfaces without stiffness"),
+        ("R3D4", "rigid"),
+    ],
+)
+def test_flat_elements_that_are_no_shells_are_named(written, kind, words):
+    """Beside solids they are groups, and say nothing."""
+    flat = f"*ELEMENT, TYPE={kind}, ELSET=skin\n21, 1, 2, 3, 4\n22, 5, 6, 7, 8\n"
+    with pytest.warns(MeshWarning, match=rf"read as shells: 2 {kind} \({words}\); they bend"):
+        read_mesh(written(CUBE.partition("*Element")[0] + flat))
+    read_mesh(written(CUBE + flat))
+    with pytest.warns(MeshWarning, match=rf"if in a group of \[shells\]: 2 {kind}"):
+        read_mesh(written(CUBE + flat), shells=["skin"])

@@ -185,3 +185,11 @@ def test_shells_and_materials_beside_solids_are_named(written, is_shell):
     words = "stiffness and mass of 1 CQUAD4: beside solid elements, shells and beams serve as "
     assert (words in str(told[0].message)) == is_shell
     assert "materials MAT1 1: those of the body file are used" in str(told[0].message)
+
+
+def test_panels_that_carry_shear_alone_are_named(written):
+    deck = SHORT + "CSHEAR,1,7,1,2,3,4\nCQUAD4,2,8,5,6,7,8\nPSHEAR,7,1,0.1\n"
+    with pytest.warns(MeshWarning, match=r"read as shells: 1 CSHEAR \(panels that carry shear"):
+        read_mesh(written(deck))
+    with pytest.warns(MeshWarning, match="left out: stiffness and mass of 1 CSHEAR"):
+        read_mesh(written(deck + CHEXA))
