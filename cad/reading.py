@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,10 +27,14 @@ CAD_SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
 
 @dataclass(frozen=True)
 class CadGeometry:
-    """What a mesh was made of, a solid with its features, by which gmsh, and how well."""
+    """What a mesh was made of, a solid with its features, by which gmsh, and how well.
+
+    groups: the feature that each group of facets in the mesh is, by the name of the group.
+    """
 
     solid: str
     features: tuple[Feature, ...]
+    groups: Mapping[str, Feature]
     quality: Quality
     gmsh: str
 
@@ -79,7 +83,9 @@ def mesh_solid(
     asked = {"unit": in_file, "mesh": str(target), "size": size, "solid": solid}
     answer = _asked(path, {**asked, "picks": [asdict(pick) for pick in picks]})
     features = tuple(map(Feature.of, answer["features"]))
-    geometry = CadGeometry(answer["solid"], features, Quality(**answer["quality"]), answer["gmsh"])
+    groups = {group: features[number - 1] for group, number in answer["groups"].items()}
+    quality = Quality(**answer["quality"])
+    geometry = CadGeometry(answer["solid"], features, groups, quality, answer["gmsh"])
     return geometry, in_file
 
 

@@ -17,7 +17,7 @@ from duhamel.preprocess.survey import survey
 from duhamel.superelement import sha256
 from duhamel.view import draw_scene
 
-from .parts import bar, block, write
+from .parts import bar, block, hub, write
 
 STEEL = du.Material(E=210e9, nu=0.3, rho=7850.0)
 BORE = du.hole([0.03, 0.02, 0.01], radius=0.008)
@@ -57,6 +57,24 @@ def test_interfaces_are_on_the_axis_of_the_hole_and_on_the_face(block_file: Path
     assert side.area == pytest.approx(0.04 * 0.02, rel=1e-12)
     across = np.linalg.norm(mesh.points[bore.nodes, :2] - [0.03, 0.02], axis=1)
     np.testing.assert_allclose(across, 0.008, rtol=1e-9)  # middle nodes too
+
+
+def test_frames_stand_on_the_axis_of_holes_with_keyways_and_of_half_shells(tmp_path: Path) -> None:
+    """Where the centroid of their facets is not; and on the axis of what a box leaves of them."""
+    made = du.Part.from_step(write(tmp_path / "hub.step", hub), STEEL, 6e-3)
+    bore, half = du.hole([0.02, 0.018, 0.01]), du.face([0.02, 0.035, 0.01])
+    made.interface("bore", bore)
+    made.interface("seat", half)
+    lower = du.box([0.0, 0.0, -0.001], [0.04, 0.04, 0.0125])
+    made.interface("lower", bore & lower)
+    frames = preprocess.assemble(made.body(step=1e-5)).frames
+    np.testing.assert_allclose(frames["bore"].X, [0.02, 0.018, 0.01], atol=1e-9)
+    np.testing.assert_allclose(frames["seat"].X, [0.02, 0.04, 0.01], atol=1e-9)
+    assert frames["bore"].fit.middle[0] < 0.0195
+    assert frames["seat"].fit.middle[1] < 0.037
+    X = frames["lower"].X
+    np.testing.assert_allclose(X[:2], [0.02, 0.018], atol=1e-9)
+    assert 0.002 < X[2] < 0.0063
 
 
 def test_a_bar_of_steel_rings_as_the_standard_for_youngs_modulus_says(tmp_path: Path) -> None:
