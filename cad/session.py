@@ -77,9 +77,13 @@ def _solids() -> dict[str, int]:
 
 
 def _label(solid: int) -> str:
-    """The last part of a label as Shapes/ASSEMBLY/PART; numbers stand where names are missing."""
-    parts = [part for part in gmsh.model.getEntityName(3, solid).split("/") if part]
-    return parts[-1].strip() if parts else "solid"
+    """The last part of a label as Shapes/ASSEMBLY/PART; numbers stand where names are missing.
+
+    Shapes without a name are SOLID there, and references to parts =>[0:1:1:3].
+    """
+    parts = [part.strip() for part in gmsh.model.getEntityName(3, solid).split("/")]
+    named = [part for part in parts if part and part != "SOLID" and not part.startswith("=>[")]
+    return named[-1] if named else "solid"
 
 
 def keep_alone(solids: dict[str, int], name: str | None) -> tuple[str, int]:

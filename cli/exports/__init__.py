@@ -7,11 +7,12 @@ from importlib import import_module
 from itertools import groupby
 from pkgutil import iter_modules
 
-from .export import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked
+from .export import EXPORT_OPTIONS, EXPORTS, LEFT_OUT, SUPERELEMENT_EXPORTS, Asked
 
 __all__ = [
     "EXPORTS",
     "EXPORT_OPTIONS",
+    "LEFT_OUT",
     "SUPERELEMENT_EXPORTS",
     "Asked",
     "described",
@@ -36,5 +37,6 @@ def described() -> str:
 
 def takers(option: str) -> str:
     """The formats that take an option of `EXPORT_OPTIONS`, as text."""
-    *others, last = [each.name for each in EXPORTS.values() if option in each.takes]
+    formats = {**EXPORTS, **SUPERELEMENT_EXPORTS}
+    *others, last = [name for name, each in formats.items() if option in each.takes]
     return f"{', '.join(others)} or {last}" if others else last

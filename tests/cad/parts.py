@@ -82,7 +82,11 @@ def hub() -> None:
     occ = gmsh.model.occ
     box = occ.addBox(0, 0, 0, 40, 40, 20)
     keyway = occ.addBox(20, 15, 0, 13, 6, 20)
-    tools = [occ.addCylinder(20, 18, 0, 0, 0, 20, 10), keyway, occ.addCylinder(0, 40, 10, 40, 0, 0, 5)]
+    tools = [
+        occ.addCylinder(20, 18, 0, 0, 0, 20, 10),
+        keyway,
+        occ.addCylinder(0, 40, 10, 40, 0, 0, 5),
+    ]
     occ.cut([(3, box)], [(3, tool) for tool in tools])
 
 
