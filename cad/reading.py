@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import FileError, require_regular
+from ..files.cad_suffixes import CAD_SUFFIXES, UNITS_KNOWN
 from .errors import CadError
 from .feature import Feature
 from .picking import Pick
@@ -20,9 +21,6 @@ from .solid import Solid
 
 UNIT_READ = 1e-3
 """The unit to which what STEP and IGES say of theirs is turned [m]."""
-UNITS_KNOWN = (".step", ".stp", ".iges", ".igs")
-UNITS_UNKNOWN = (".brep",)
-CAD_SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,11 @@ The frame has the axes and the origin of the mesh. It follows the mean motion of
 Ct = 0 and Cr = 0 at rest. With q the elastic coordinates, a and w' the accelerations of the frame,
 w its angular velocity, all in its axes,
 
-    [ m      mc~^T   Ct^T ] [ a   ]   [ w~ w~ mc + 2 w~ Ct^T q'     ]   [ sum f               ]
-    [ mc~    J       Cr^T ] [ w'  ] + [ w~ J w + sum q'_j Gr_j w    ] = [ sum (m + r x f)     ]
-    [ Ct     Cr      Me   ] [ q'' ]   [ sum q'_j Ge_j w + Oe Omega  ]   [ sum phi^T f + psi^T m - Ke q - De q' ]
+    [ m    mc~^T  Ct^T ] [ a   ]   [ w~ w~ mc + 2 w~ Ct^T q'     ]   [ sum f           ]
+    [ mc~  J      Cr^T ] [ w'  ] + [ w~ J w + sum q'_j Gr_j w    ] = [ sum (m + r x f) ]
+    [ Ct   Cr     Me   ] [ q'' ]   [ sum q'_j Ge_j w + Oe Omega  ]   [ h_e             ]
 
+    h_e = sum (phi^T f + psi^T m) - Ke q - De q'
     Omega = [w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3]
 
 J, Cr, Oe, phi and psi are of first order in q where the superelement has [rotation]: Oe, phi and
@@ -70,10 +71,11 @@ class NodeFrame:
 
 @dataclass(frozen=True, eq=False)
 class StandardInputData:
-    """The data of a flexible body, as the head of this file has them; n_q coordinates in sqrt(kg) m.
+    """The data of a flexible body, as the head of this file has them, in n_q coordinates.
 
-    Columns of Gr (3, 3 n_q) and Ge (n_q, 3 n_q) go through all coordinates for w1, then for w2 and
-    w3. J (6, 1) is 11, 22, 33, 12, 13, 23. coordinates: what each q is, in words.
+    These are in sqrt(kg) m, for Me is the unit matrix. Columns of Gr (3, 3 n_q) and Ge (n_q, 3 n_q)
+    go through all coordinates for w1, then for w2 and w3. J (6, 1) is 11, 22, 33, 12, 13, 23.
+    coordinates: what each q is, in words.
     """
 
     name: str
@@ -129,8 +131,8 @@ def standard_input_data(e: Superelement, modes: int) -> StandardInputData:
     ...     compliance=vibration.compliance, accelerance=vibration.accelerance,
     ... )
     >>> sid = standard_input_data(block, modes=1)
-    >>> sid.coordinates
-    ('Eigen Mode    1 :      100.000 Hz', 'Static Shape    1 :      200.000 Hz', 'Static Shape    2 :      300.000 Hz')
+    >>> sid.coordinates[:2]
+    ('Eigen Mode    1 :      100.000 Hz', 'Static Shape    1 :      200.000 Hz')
     >>> sid.J.m0.ravel().tolist()  # about the origin of the mesh
     [3.0, 3.0, 1.0, 0.0, 0.0, 0.0]
     """

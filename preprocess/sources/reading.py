@@ -98,12 +98,13 @@ def with_body(source: Source, body: Body) -> Source:
     """A source for other materials, loads or sensors, on the mesh that it has."""
     if body.matrices is not None:
         return read_source(body)
-    assert isinstance(mesh := getattr(source, "mesh", None), Mesh)
+    mesh = getattr(source, "mesh", None)
+    assert isinstance(mesh, Mesh)
     return source_of(mesh, relaxed(body))
 
 
 def source_of(mesh: Mesh, body: Body) -> MeshSource:
-    """The source of a mesh that is there, whose middle nodes are there if its body asks for some."""
+    """The source of a mesh, which has its middle nodes if the body asks for some."""
     if mesh.body_types == LINE_CELLS:
         if body.shell is not None or body.shells:
             raise BodyError(f"{mesh.name}: [shell] is for triangles and quadrangles, found lines")

@@ -134,7 +134,7 @@ class SolidSource:
         return facet_frame(selection, numbers, faces, nodes, self._on_axis(selection, faces))
 
     def _on_axis(self, selection: Selection, faces: Surface) -> Array | None:
-        """The place on the axis of a hole or shaft of CAD; a keyway moves the centroid of facets."""
+        """The place on the axis of a cylinder of CAD: a keyway moves the centroid of facets."""
         if self.geometry is None or selection.feature is None:
             return None
         feature = self.geometry.groups[str(selection.feature)]

@@ -35,7 +35,7 @@ def by_coordinate(matrix, n_q):
 def check_orders(m, n_q, rel):
     """What J, Gr and Oe have in common, whatever the shapes, where modes move in one direction.
 
-    J = -int r~r~ dm, Gr_j = -2 int r~ phi_j~ dm: its symmetric part is the change of J, and so is Oe.
+    J = -int r~r~ dm, Gr_j = -2 int r~ phi_j~ dm: its symmetric part is the change of J, as is Oe.
     """
     Gr = by_coordinate(m["Gr"], n_q)
     scale = np.abs(m["J"].m1).max()
@@ -79,7 +79,7 @@ def corner():
 
 
 def test_integrals_are_those_over_the_mesh(corner, tmp_path):
-    """By the mass M_s of the nodes, with which positions and displacements are integrated exactly."""
+    """By the mass M_s of the nodes, which integrates positions and displacements exactly."""
     body, e = corner
     n = len(e.modes.omega)
     write_sid(standard_input_data(e, n), "", tmp_path / "corner.SID_FEM")
