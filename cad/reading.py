@@ -27,10 +27,12 @@ UNIT_READ = 1e-3
 class CadGeometry:
     """What a mesh was made of, a solid with its features, by which gmsh, and how well.
 
-    groups: the feature that each group of facets in the mesh is, by the name of the group.
+    volume [m^3]: of the solid, as the CAD file has it; groups: the feature that each group of
+    facets in the mesh is, by the name of the group.
     """
 
     solid: str
+    volume: float
     features: tuple[Feature, ...]
     groups: Mapping[str, Feature]
     quality: Quality
@@ -83,8 +85,8 @@ def mesh_solid(
     features = tuple(map(Feature.of, answer["features"]))
     groups = {group: features[number - 1] for group, number in answer["groups"].items()}
     quality = Quality(**answer["quality"])
-    geometry = CadGeometry(answer["solid"], features, groups, quality, answer["gmsh"])
-    return geometry, in_file
+    solid_as_given = answer["solid"], answer["volume"]
+    return CadGeometry(*solid_as_given, features, groups, quality, answer["gmsh"]), in_file
 
 
 def _unit(path: Path, unit: float | None) -> float:

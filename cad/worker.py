@@ -42,6 +42,7 @@ def _answer(asked: dict[str, Any]) -> dict[str, Any]:
             found["solids"] = {name: _listed(tag, unit) for name, tag in solids.items()}
             return found
         found["solid"], solid = keep_alone(solids, asked["solid"])
+        found["volume"] = unit**3 * gmsh.model.occ.getMass(3, solid)
         features = features_of(solid)
         found["features"] = _tables(features, unit)
         picks = [Pick.of(table) for table in asked["picks"]]

@@ -173,7 +173,7 @@ def _require_sense(to: str, given: dict[str, bool]) -> None:
     """Refuse a format that there is not, and what it would pass over."""
     if to not in FORMAT_NAMES:
         raise typer.BadParameter(f"--to: expected one of {', '.join(FORMAT_NAMES)}, found {to!r}")
-    taken = {**EXPORTS, **SUPERELEMENT_EXPORTS}[to].takes
+    taken = EXPORTS[to].takes if to in EXPORTS else SUPERELEMENT_EXPORTS[to].takes
     for option, is_given in given.items():
         if is_given and option not in taken:
             expected = f"{EXPORT_OPTIONS[option]} go with --to {takers(option)}"

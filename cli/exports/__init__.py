@@ -37,6 +37,7 @@ def described() -> str:
 
 def takers(option: str) -> str:
     """The formats that take an option of `EXPORT_OPTIONS`, as text."""
-    formats = {**EXPORTS, **SUPERELEMENT_EXPORTS}
-    *others, last = [name for name, each in formats.items() if option in each.takes]
+    taken = {name: each.takes for name, each in EXPORTS.items()}
+    taken |= {name: each.takes for name, each in SUPERELEMENT_EXPORTS.items()}
+    *others, last = [name for name, options in taken.items() if option in options]
     return f"{', '.join(others)} or {last}" if others else last
