@@ -1,6 +1,6 @@
 """Files of Standard Input Data (.SID_FEM): one line for each number that is not zero.
 
-As FEMBS writes them: entries m0(row, column) and m1(row, coordinate, column) of each matrix, with
+As other programs write them: entries m0(row, column) and m1(row, coordinate, column) of each matrix, with
 exponents of D. Source: as in sid.py.
 """
 
