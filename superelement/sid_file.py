@@ -1,7 +1,7 @@
 """Files of Standard Input Data (.SID_FEM): one line for each number that is not zero.
 
-As other programs write them: entries m0(row, column) and m1(row, coordinate, column) of each matrix, with
-exponents of D. Source: as in sid.py.
+As other programs write them: entries m0(row, column) and m1(row, coordinate, column) of each
+matrix, with exponents of D. Source: as in sid.py.
 """
 
 from collections.abc import Iterator
