@@ -16,12 +16,12 @@ class Feature:
     """A hole, a shaft or a face: the faces of a CAD file that are one plane or one cylinder.
 
     A hole is a cylinder seen from inside, a shaft one seen from outside, both around more than
-    half a turn; what is left is curved, as fillets are.
+    half a turn; what is left is curved, as fillets and half shells are.
 
-    number: its own, from 1; center [m]: of a hole or shaft on its axis, half-way; near [m]: a point
-    that picks it; axis: that of a cylinder, or the outward normal of a plane, a unit vector, zero
-    of curved faces; radius and length [m]: of cylinders, else zero; area [m^2]; faces: their
-    numbers in the CAD file.
+    number: its own, from 1; center [m]: of a cylinder on its axis, half-way; near [m]: a point that
+    picks it; axis: that of a cylinder, or the outward normal of a plane, a unit vector, zero of
+    others; radius and length [m]: of cylinders around more than a quarter turn, which fillets have
+    not, else zero; area [m^2]; faces: their numbers in the CAD file.
     """
 
     number: int
@@ -59,6 +59,12 @@ class Feature:
         across = float(np.linalg.norm(np.cross(from_center, self.axis)))
         beyond = max(along - 0.5 * self.length, 0.0), max(across - self.radius, 0.0)
         return float(np.hypot(*beyond))
+
+    def middle(self, points: Array) -> Array:
+        """The place (3,) on the axis of a cylinder half-way between the ends of points (n, 3)."""
+        along = (points - np.array(self.center)) @ np.array(self.axis)
+        half_way = 0.5 * float(along.min() + along.max())
+        return np.asarray(self.center) + half_way * np.asarray(self.axis)
 
     @property
     def key(self) -> str:

@@ -5,13 +5,14 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from ..files import FileError, require_regular
+from ..files.cad_suffixes import CAD_SUFFIXES, UNITS_KNOWN
 from .errors import CadError
 from .feature import Feature
 from .picking import Pick
@@ -20,17 +21,20 @@ from .solid import Solid
 
 UNIT_READ = 1e-3
 """The unit to which what STEP and IGES say of theirs is turned [m]."""
-UNITS_KNOWN = (".step", ".stp", ".iges", ".igs")
-UNITS_UNKNOWN = (".brep",)
-CAD_SUFFIXES = (*UNITS_KNOWN, *UNITS_UNKNOWN)
 
 
 @dataclass(frozen=True)
 class CadGeometry:
-    """What a mesh was made of, a solid with its features, by which gmsh, and how well."""
+    """What a mesh was made of, a solid with its features, by which gmsh, and how well.
+
+    volume [m^3]: of the solid, as the CAD file has it; groups: the feature that each group of
+    facets in the mesh is, by the name of the group.
+    """
 
     solid: str
+    volume: float
     features: tuple[Feature, ...]
+    groups: Mapping[str, Feature]
     quality: Quality
     gmsh: str
 
@@ -79,8 +83,10 @@ def mesh_solid(
     asked = {"unit": in_file, "mesh": str(target), "size": size, "solid": solid}
     answer = _asked(path, {**asked, "picks": [asdict(pick) for pick in picks]})
     features = tuple(map(Feature.of, answer["features"]))
-    geometry = CadGeometry(answer["solid"], features, Quality(**answer["quality"]), answer["gmsh"])
-    return geometry, in_file
+    groups = {group: features[number - 1] for group, number in answer["groups"].items()}
+    quality = Quality(**answer["quality"])
+    solid_as_given = answer["solid"], answer["volume"]
+    return CadGeometry(*solid_as_given, features, groups, quality, answer["gmsh"]), in_file
 
 
 def _unit(path: Path, unit: float | None) -> float:

@@ -1,5 +1,6 @@
 """A CAD file in gmsh: its solids, by name and in one unit of length."""
 
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +13,7 @@ from .errors import CadError
 
 SEWING_TOLERANCE = 1e-5
 """Width of gaps between the faces of IGES that are closed, relative to the size of the part."""
+STEP_SUFFIXES = (".step", ".stp")
 SESSION_OPTIONS = {
     "General.Terminal": 0,
     # More threads would number nodes in an order of their own in each run.
@@ -28,10 +30,27 @@ def open_solids(path: Path) -> Iterator[dict[str, int]]:
     try:
         for option, value in SESSION_OPTIONS.items():
             gmsh.option.setNumber(option, value)
-        _import(path)
+        with _in_utf8(path) as readable:
+            _import(readable)
         yield _solids()
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def _in_utf8(path: Path) -> Iterator[Path]:
+    """The file, or a copy in UTF-8 of a STEP file in Latin-1, whose names gmsh would garble."""
+    # Columns of IGES count bytes: a longer name would move what is behind it.
+    data = path.read_bytes() if path.suffix.lower() in STEP_SUFFIXES else b""
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder, path.name)
+            copy.write_bytes(data.decode("latin-1").encode("utf-8"))
+            yield copy
+    else:
+        yield path
 
 
 def solid_size(entity: int, dimension: int = 3) -> float:
@@ -77,9 +96,13 @@ def _solids() -> dict[str, int]:
 
 
 def _label(solid: int) -> str:
-    """The last part of a label as Shapes/ASSEMBLY/PART; numbers stand where names are missing."""
-    parts = [part for part in gmsh.model.getEntityName(3, solid).split("/") if part]
-    return parts[-1].strip() if parts else "solid"
+    """The last part of a label as Shapes/ASSEMBLY/PART; numbers stand where names are missing.
+
+    Shapes without a name are SOLID there, and references to parts =>[0:1:1:3].
+    """
+    parts = [part.strip() for part in gmsh.model.getEntityName(3, solid).split("/")]
+    named = [part for part in parts if part and part != "SOLID" and not part.startswith("=>[")]
+    return named[-1] if named else "solid"
 
 
 def keep_alone(solids: dict[str, int], name: str | None) -> tuple[str, int]:

@@ -18,6 +18,7 @@ from .errors import CadError
 from .feature import Feature
 from .meshing import mesh
 from .picking import Pick, picked
+from .quality import Quality
 from .recognition import features_of
 from .session import keep_alone, open_solids, solid_size
 
@@ -41,11 +42,12 @@ def _answer(asked: dict[str, Any]) -> dict[str, Any]:
             found["solids"] = {name: _listed(tag, unit) for name, tag in solids.items()}
             return found
         found["solid"], solid = keep_alone(solids, asked["solid"])
+        found["volume"] = unit**3 * gmsh.model.occ.getMass(3, solid)
         features = features_of(solid)
         found["features"] = _tables(features, unit)
         picks = [Pick.of(table) for table in asked["picks"]]
-        found["quality"] = asdict(_mesh(solid, features, picks, asked, found["solid"]))
-        return found
+        quality, groups = _mesh(solid, features, picks, asked, found["solid"])
+        return found | {"quality": asdict(quality), "groups": groups}
 
 
 def _listed(solid: int, unit: float) -> dict[str, Any]:
@@ -61,8 +63,11 @@ def _tables(features: list[Feature], unit: float) -> list[dict[str, Any]]:
 
 def _mesh(
     solid: int, features: list[Feature], picks: list[Pick], asked: dict[str, Any], name: str
-) -> Any:
-    """Mesh the solid, with a group for each pick, into the file that is asked for."""
+) -> tuple[Quality, dict[str, int]]:
+    """Mesh the solid into the file that is asked for, with a group for each pick of no size.
+
+    How good it is, and the numbers of the features that the groups are.
+    """
     unit = asked["unit"]
     in_meters = [feature.scaled(unit) for feature in features]
 
@@ -72,10 +77,10 @@ def _mesh(
     size = unit * solid_size(solid)
     chosen = [picked(pick, in_meters, distance, size) for pick in picks]
     sizes: dict[int, float] = {}
-    groups: dict[str, tuple[int, ...]] = {}
+    groups: dict[str, Feature] = {}
     for pick, feature in zip(picks, chosen, strict=True):
         if pick.size is None:
-            groups[pick.group] = feature.faces
+            groups[pick.group] = feature
             continue
         # Of several sizes for a face the smallest counts: the other is kept by it too.
         for face in feature.faces:
@@ -83,10 +88,10 @@ def _mesh(
     # Groups come after the mesh: it is the same whatever is selected on it.
     quality = mesh(solid, asked["size"] / unit, sizes, unit)
     gmsh.model.addPhysicalGroup(3, [solid], name=name)
-    for group, faces in groups.items():
-        gmsh.model.addPhysicalGroup(2, list(faces), name=group)
+    for group, feature in groups.items():
+        gmsh.model.addPhysicalGroup(2, list(feature.faces), name=group)
     gmsh.write(asked["mesh"])
-    return quality
+    return quality, {group: feature.number for group, feature in groups.items()}
 
 
 def _distance(face: int, point: Array) -> float:

@@ -30,7 +30,7 @@ from .responses.channels import channels_of, of_interfaces
 from .responses.impulse import ImpulseResponses, impulse_responses, require_memory
 from .responses.static import accelerance, compliance
 from .rotation.reduced import reduced_rotation
-from .sources.reading import read_source
+from .sources.reading import read_source, with_body
 from .threads import blas_threads
 
 MIN_INTERFACE_DOFS = 3
@@ -138,7 +138,7 @@ def _build(body: Body, stages: Stages) -> Superelement:
         as_given, test = body, read_test(body)
         if test is not None:
             body = with_test(body, test, source)
-            source = read_source(body)
+            source = with_body(source, body)
     with stages.stage("assembly"), one_blas_thread():  # it has threads of its own
         structure = assemble_on(body, source)
         second = None

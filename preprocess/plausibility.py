@@ -31,6 +31,8 @@ SHELL_THICKNESSES = (1e-5, 0.3)  # over the size of the mesh
 MAX_PIECE_RADIUS = 30.0  # of gyration of a rigid piece, over the size of the mesh
 MIN_SHAPE = 0.05
 """Of a tetrahedron, 3 times the radius of its inscribed over that of its circumscribed sphere."""
+MAX_VOLUME_DIFFERENCE = 2e-3
+"""Of a mesh and its solid of CAD, relative; curved edges keep that of a cylinder to 5e-5."""
 MIN_WAVE_SPACINGS = 0.01  # below which the waves of a step are nothing on this mesh
 
 
@@ -116,6 +118,7 @@ def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
     step and the band.
     """
     size = source.mesh.size
+    yield from _of_volume(source)
     yield from _of_locking(source)
     for key, section in _sections(body):
         yield from _of_depth(key, section, size)
@@ -162,6 +165,20 @@ def _sections(body: Body) -> Iterator[tuple[str, Section]]:
         yield "section", body.section
     for group, section in body.sections.items():
         yield f"sections.{group}", section
+
+
+def _of_volume(source: MeshSource) -> Iterator[str]:
+    if source.geometry is None:
+        return
+    found, expected = sum(share.extent for share in source.shares()), source.geometry.volume
+    difference = found / expected - 1.0
+    if abs(difference) > MAX_VOLUME_DIFFERENCE:
+        yield (
+            f"the mesh has a volume of {found:.4g} m^3, {100.0 * difference:+.2g} % beside the "
+            f"{expected:.4g} m^3 of the CAD solid: elements are too large for its curved faces, or "
+            "faces and edges of the file do not fit each other: try a smaller size, and repair "
+            "the part in the CAD program if the difference stays"
+        )
 
 
 def _of_locking(source: MeshSource) -> Iterator[str]:

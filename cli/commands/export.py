@@ -10,7 +10,15 @@ from typing import Annotated
 import typer
 
 from ..arguments import FromTime, ResultsFile, time_or_worst
-from ..exports import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked, described, takers
+from ..exports import (
+    EXPORT_OPTIONS,
+    EXPORTS,
+    LEFT_OUT,
+    SUPERELEMENT_EXPORTS,
+    Asked,
+    described,
+    takers,
+)
 from ..failures import errors_in_one_line, one_line
 
 # Characters: typer takes each line of a docstring as a paragraph of its own.
@@ -68,6 +76,10 @@ Magnified = Annotated[
         help=f"Elastic displacements for {takers('film')}, times this.",
     ),
 ]
+ModeCount = Annotated[
+    int | None,
+    typer.Option("--modes", min=0, help=f"For {takers('modes')}, the lowest: 20 unless given."),
+]
 
 
 def export(
@@ -82,6 +94,7 @@ def export(
     magnify: Magnified = None,
     at: At = None,
     bodies: BodyNames = None,
+    modes: ModeCount = None,
 ) -> None:
     """Write results, or the matrices of a superelement, for other programs into a folder."""
     _require_sense(
@@ -91,6 +104,7 @@ def export(
             "window": start is not None or end is not None,
             "film": frames is not None or every or magnify is not None,
             "instant": at is not None or bool(bodies),
+            "modes": modes is not None,
         },
     )
     if magnify is not None and not isfinite(magnify):
@@ -100,7 +114,7 @@ def export(
     when = time_or_worst(at)
     begin = perf_counter()
     if to in SUPERELEMENT_EXPORTS:
-        _tell(_of_superelement(results_file, folder, to), begin)
+        _tell(_of_superelement(results_file, folder, to, modes), begin)
         return
     from ... import files, results
     from ...files.progress import Progress, Work
@@ -126,24 +140,20 @@ def export(
     _tell(written, begin)
 
 
-def _of_superelement(path: Path, folder: Path, to: str) -> Sequence[Path]:
+def _of_superelement(path: Path, folder: Path, to: str, modes: int | None) -> Sequence[Path]:
     """Write a superelement, and say what it has and the format has not."""
     from ... import files, results, superelement
 
+    chosen = SUPERELEMENT_EXPORTS[to]
     with errors_in_one_line(superelement, results, files):
         e = superelement.read(path)
-        for ending in SUPERELEMENT_EXPORTS[to].endings:
+        for ending in chosen.endings:
             files.require_no_input(folder / f"{path.stem}{ending}", [path])
-        written = SUPERELEMENT_EXPORTS[to].write(e, folder, path.stem)
+        written = chosen.write(e, folder, path.stem, modes)
     chain = None if e.modes is None else e.modes.chain
-    parts = {
-        "material damping": chain,
-        "[rotation]": e.rotation,
-        "loads and sensors": e.channels,
-        "[surfaces]": e.surfaces,
-        "[recovery]": e.recovery,
-    }
-    if left_out := [name for name, part in parts.items() if part is not None]:
+    parts = zip(LEFT_OUT, (chain, e.rotation, e.channels, e.surfaces, e.recovery), strict=True)
+    left_out = [name for name, part in parts if part is not None and name not in chosen.keeps]
+    if left_out:
         typer.echo(one_line(f"left out: {', '.join(left_out)}"))
     return written
 
@@ -163,7 +173,7 @@ def _require_sense(to: str, given: dict[str, bool]) -> None:
     """Refuse a format that there is not, and what it would pass over."""
     if to not in FORMAT_NAMES:
         raise typer.BadParameter(f"--to: expected one of {', '.join(FORMAT_NAMES)}, found {to!r}")
-    taken = EXPORTS[to].takes if to in EXPORTS else ()
+    taken = EXPORTS[to].takes if to in EXPORTS else SUPERELEMENT_EXPORTS[to].takes
     for option, is_given in given.items():
         if is_given and option not in taken:
             expected = f"{EXPORT_OPTIONS[option]} go with --to {takers(option)}"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from ...files.cad_suffixes import CAD_SUFFIXES
 from ..arguments import TOML_SUFFIX, beside, file_argument, output_option
 from ..failures import errors_in_one_line, one_line, unwritten
 
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
     from ...robots import FlexibleLink
 
 ROBOT_SUFFIXES = ".urdf", ".xml"
-# Those of `cad.reading`, which help must not load.
-CAD_SUFFIXES = ".step", ".stp", ".iges", ".igs", ".brep"
 CAD_OPTIONS = ("robot_file", "output", "size", "scale")
 RobotFile = Annotated[
     Path,

@@ -21,7 +21,9 @@ FILE_ENDINGS = ("-reduced.npz", "-reduced.op4", "-reduced.pch", "-reduced.bdf")
     FILE_ENDINGS,
     "the matrices of a superelement, as arrays, OUTPUT4 and DMIG for Nastran",
 )
-def reduced_matrices(e: "Superelement", folder: Path, stem: str) -> Sequence[Path]:
+def reduced_matrices(
+    e: "Superelement", folder: Path, stem: str, modes: int | None
+) -> Sequence[Path]:
     import numpy as np
 
     from ...results.exports.folder import exported

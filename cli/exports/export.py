@@ -17,6 +17,7 @@ EXPORT_OPTIONS = {
     "window": "--from and --until",
     "film": "--frames, --all and --magnify",
     "instant": "--at and --body",
+    "modes": "--modes",
 }
 """what a format may take, and its options as messages name them"""
 
@@ -73,19 +74,25 @@ def export_format(
     return register
 
 
-WriteSuperelement = Callable[["Superelement", Path, str], Sequence[Path]]
+WriteSuperelement = Callable[["Superelement", Path, str, int | None], Sequence[Path]]
+LEFT_OUT = ("material damping", "[rotation]", "loads and sensors", "[surfaces]", "[recovery]")
+"""what a superelement may have and a format has not, as messages name it"""
 
 
 @dataclass(frozen=True)
 class SuperelementFormat:
-    """A format of superelements, not of results; `write` takes one, a folder, and a stem of names.
+    """A format of superelements, not of results.
 
-    endings: of the names of its files, behind the stem; the others are those of `ExportFormat`.
+    endings: of the names of its files, behind the stem; keeps: what of `LEFT_OUT` it has; write:
+    takes a superelement, a folder, a stem of names, and the number of --modes; the others are those
+    of `ExportFormat`.
     """
 
     name: str
     endings: tuple[str, ...]
     what: str
+    takes: tuple[str, ...]
+    keeps: tuple[str, ...]
     write: WriteSuperelement
 
 
@@ -94,12 +101,16 @@ SUPERELEMENT_EXPORTS: dict[str, SuperelementFormat] = {}
 
 
 def superelement_format(
-    name: str, endings: tuple[str, ...], what: str
+    name: str,
+    endings: tuple[str, ...],
+    what: str,
+    takes: tuple[str, ...] = (),
+    keeps: tuple[str, ...] = (),
 ) -> Callable[[WriteSuperelement], WriteSuperelement]:
     """Make a function that writes files of a superelement known to `duhamel export`."""
 
     def register(write: WriteSuperelement) -> WriteSuperelement:
-        SUPERELEMENT_EXPORTS[name] = SuperelementFormat(name, endings, what, write)
+        SUPERELEMENT_EXPORTS[name] = SuperelementFormat(name, endings, what, takes, keeps, write)
         return write
 
     return register

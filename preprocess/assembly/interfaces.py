@@ -112,11 +112,19 @@ def section_frame(
 
 
 def facet_frame(
-    selection: Selection, numbers: IntArray, faces: Surface, nodes: Nodes
+    selection: Selection,
+    numbers: IntArray,
+    faces: Surface,
+    nodes: Nodes,
+    place: Array | None = None,
 ) -> Attachment:
-    """A frame with six dofs that the surface of facets `numbers` carries."""
+    """A frame with six dofs that the surface of facets `numbers` carries.
+
+    place (3,): where it stands unless `at` says it, by default at their centroid.
+    """
     check_spread(nodes.points[faces.nodes])
-    X = faces.centroid if selection.at is None else np.array(selection.at)
+    X = faces.centroid if place is None else place
+    X = X if selection.at is None else np.array(selection.at)
     rows = mean_motion(faces, X, nodes)
     fit = fit_of_surface(faces, nodes)
     return Attachment(X, rows, faces.nodes, numbers, faces.area, selection.rigid, fit)

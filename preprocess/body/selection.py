@@ -149,9 +149,9 @@ class Selection(Table):
     those that it names; a group of points selects its points. Of a beam, both select nodes. Given
     several, all must hold: the facets of a plane that lie in a box. Of matrices, all select nodes:
     one gives its dofs, several carry a frame of six; nodes names them by their labels. at: the
-    position of the frame; the centroid of the facets, or the mean of the points, unless given.
-    tolerance: the distance allowed between `node` and the nearest node, as a fraction of the size
-    of the mesh.
+    position of the frame; half-way on the axis of a hole, shaft or half shell of CAD, else the
+    centroid of the facets, or the mean of the points, unless given. tolerance: the distance allowed
+    between `node` and the nearest node, as a fraction of the size of the mesh.
     """
 
     node: Vector | None = None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...cad.reading import CAD_SUFFIXES
+from ...files.cad_suffixes import CAD_SUFFIXES
 from ...files.hdf5 import DAMAGE_ERRORS
 from ...superelement.validation import Array
 from ..errors import MeshError, MeshWarning, about

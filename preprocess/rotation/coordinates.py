@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
 
 from ...superelement import Modes
+from ...superelement.attachments import attachments
 from ...superelement.validation import Array
 from ..body.body import NonlinearCoordinates
 from ..mesh.mesh import IntArray
@@ -13,9 +13,6 @@ from .statics import Stiffening
 
 LOOKED_AT = 4  # lowest modes that are looked at for each that is asked for
 MIN_KAPPA = 1e-2  # kappa, relative to the largest, from which on loads stiffen a shape
-MIN_ATTACHMENT_EIGENVALUE = 1e-10
-"""Eigenvalue of the scaled mass matrix of attachments below which one is a sum of others."""
-
 MAX_STIFFENING_TAKEN = 0.03  # of that by a load, which a soft shape takes with its stress
 
 
@@ -104,23 +101,6 @@ def lowest(modes: Modes, asked: NonlinearCoordinates, loaded: IntArray) -> Coord
     soft, squares = attachments(modes, low, loaded)
     n = 0 if asked.soft == "auto" else asked.soft
     return _coordinates(modes, low, soft[:, :n], squares[:n], np.zeros(0))
-
-
-def attachments(modes: Modes, low: IntArray, loaded: IntArray) -> tuple[Array, Array]:
-    """Modal coordinates (m, k) of the residual attachments of loaded dofs, and their squares (k,).
-
-    In the order of their frequencies.
-    """
-    c = modes.phi[loaded] / modes.omega**2
-    # Residual: what the modes that are kept carry already must not be there twice.
-    c[:, low] = 0.0
-    scale = 1.0 / np.sqrt(np.maximum((c * c).sum(axis=1), np.finfo(float).tiny))
-    c = scale[:, None] * c
-    mass, Z = eigh(c @ c.T)
-    independent = mass > MIN_ATTACHMENT_EIGENVALUE * mass.max(initial=0.0)
-    c = (Z[:, independent] / np.sqrt(mass[independent])).T @ c
-    squares, z = eigh((c * modes.omega**2) @ c.T)
-    return c.T @ z, squares
 
 
 def _coordinates(

@@ -93,8 +93,20 @@ def read_mesh_source(body: Body) -> MeshSource:
         mesh = mesh_of_cad(body, body.mesh)
     else:
         mesh = read_mesh(body.mesh, body.scale, body.shells)
-    if body.order == 2:
-        mesh = quadratic(mesh)
+    return source_of(quadratic(mesh) if body.order == 2 else mesh, body)
+
+
+def with_body(source: Source, body: Body) -> Source:
+    """A source for other materials, loads or sensors, on the mesh that it has."""
+    if body.matrices is not None:
+        return read_source(body)
+    mesh = getattr(source, "mesh", None)
+    assert isinstance(mesh, Mesh)
+    return source_of(mesh, relaxed(body))
+
+
+def source_of(mesh: Mesh, body: Body) -> MeshSource:
+    """The source of a mesh, which has its middle nodes if the body asks for some."""
     if mesh.body_types == LINE_CELLS:
         if body.shell is not None or body.shells:
             raise BodyError(f"{mesh.name}: [shell] is for triangles and quadrangles, found lines")

@@ -19,7 +19,7 @@ from ..assembly.selected import (
     nearest_node,
 )
 from ..assembly.source import FieldPoints, Resolution, Share
-from ..assembly.surface import surface
+from ..assembly.surface import Surface, surface
 from ..body.body import Body
 from ..body.loads import LoadPattern
 from ..body.material import STRESS_ORDER, Material
@@ -128,7 +128,18 @@ class SolidSource:
             return point_frame(selection, mesh_nodes(selection, mesh), nodes)
         numbers = mesh_facets(selection, mesh, self.facets)
         faces = surface(mesh.points, self.facets.patch(numbers))
-        return facet_frame(selection, numbers, faces, nodes)
+        return facet_frame(selection, numbers, faces, nodes, self._on_axis(selection, faces))
+
+    def _on_axis(self, selection: Selection, faces: Surface) -> Array | None:
+        """The place on the axis of a cylinder of CAD: a keyway moves the centroid of facets."""
+        if self.geometry is None or selection.feature is None:
+            return None
+        feature = self.geometry.groups[str(selection.feature)]
+        if not feature.radius:
+            return None
+        # Of a hole as a whole the edges of the CAD file are exact, those of the mesh have chords.
+        ends = self.mesh.points[faces.nodes] if selection.shapes else np.array([feature.center])
+        return feature.middle(ends)
 
     def touched(self, selection: SurfaceSelection) -> Patch:
         mesh = self.mesh

@@ -74,6 +74,22 @@ def plate() -> None:
     occ.fuse(cut, [(3, occ.addCylinder(50, 42, 8, 0, 0, 12, 5))])
 
 
+def hub() -> None:
+    """40 x 40 x 20 with a hole of radius 10 along z, with a keyway of 6 beside it, and half a hole.
+
+    The half shell has the radius 5 and is along x, in the face y = 40.
+    """
+    occ = gmsh.model.occ
+    box = occ.addBox(0, 0, 0, 40, 40, 20)
+    keyway = occ.addBox(20, 15, 0, 13, 6, 20)
+    tools = [
+        occ.addCylinder(20, 18, 0, 0, 0, 20, 10),
+        keyway,
+        occ.addCylinder(0, 40, 10, 40, 0, 0, 5),
+    ]
+    occ.cut([(3, box)], [(3, tool) for tool in tools])
+
+
 def _turned_half() -> int:
     half = int(gmsh.model.occ.addCylinder(50, 15, 0, 0, 0, 8, 6, angle=pi))
     gmsh.model.occ.rotate([(3, half)], 50, 15, 0, 0, 0, 1, pi)

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("gmsh")
 
 from duhamel import preprocess, solver, superelement
-from duhamel.cad import CadError
+from duhamel.cad import CadError, session, solids_in
 from duhamel.cli import app
 from duhamel.cli.assembly import _parts, import_assembly
 from typer.testing import CliRunner
@@ -97,3 +97,38 @@ def test_a_single_part_has_the_name_of_its_file(tmp_path: Path) -> None:
     assert isinstance(body, preprocess.Body)
     assert (body.solid, body.scale) == (None, 1e-3)
     assert body.interfaces["hole_1"].hole is not None
+
+
+FREECAD = Path(__file__).with_name("data") / "two_cubes.step"
+
+
+def test_parts_of_freecad_have_their_names_places_and_masses(tmp_path: Path) -> None:
+    imported = import_assembly(FREECAD, tmp_path / "model.toml", size=5e-3)
+    assert list(imported.bodies) == ["Box", "Box001"]
+    centers = {}
+    for name, path in imported.bodies.items():
+        text = path.read_text(encoding="utf-8") + "[interfaces.all]\nbox = {corners = "
+        path.write_text(text + "[[-1, -1, -1], [1, 1, 1]]}\n", encoding="utf-8")
+        rigid = preprocess.assemble(preprocess.read_body(path)).rigid
+        assert rigid.mass == pytest.approx(7850.0 * 1e-6, rel=1e-9)
+        centers[name] = rigid.center
+    apart = np.abs(centers["Box001"] - centers["Box"])
+    np.testing.assert_allclose(apart, [0.01, 0.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "X2"])
+def test_names_keep_their_letters_in_every_encoding(tmp_path: Path, encoding: str) -> None:
+    """The standard's own, and those that programs write all the same."""
+    name = b"Tr\\X2\\00E4\\X0\\ger" if encoding == "X2" else "Träger".encode(encoding)
+    renamed = tmp_path / "part.step"
+    renamed.write_bytes(FREECAD.read_bytes().replace(b"'Box", b"'" + name))
+    assert list(solids_in(renamed)) == ["Träger", "Träger001"]
+
+
+def test_solids_without_a_name_have_that_of_their_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As Creo writes them, whose labels end with a reference and SOLID."""
+    label = "Shapes/AS1_ASM/NUT_BOLT/BOLT/BOLT/=>[0:1:1:11]/SOLID"
+    monkeypatch.setattr("gmsh.model.getEntityName", lambda *_: label)
+    assert session._label(1) == "BOLT"

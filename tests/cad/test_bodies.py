@@ -1,5 +1,6 @@
 """Bodies of CAD files have the mass, inertia and frequencies of the part, and say what is wrong."""
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,14 @@ pytest.importorskip("gmsh")
 import duhamel as du
 from duhamel import preprocess
 from duhamel.inputs import InputError
+from duhamel.preprocess.plausibility import _of_volume
+from duhamel.preprocess.sources.cad import mesh_of_cad
 from duhamel.preprocess.sources.reading import read_mesh_source
 from duhamel.preprocess.survey import survey
 from duhamel.superelement import sha256
 from duhamel.view import draw_scene
 
-from .parts import bar, block, write
+from .parts import bar, block, hub, write
 
 STEEL = du.Material(E=210e9, nu=0.3, rho=7850.0)
 BORE = du.hole([0.03, 0.02, 0.01], radius=0.008)
@@ -57,6 +60,65 @@ def test_interfaces_are_on_the_axis_of_the_hole_and_on_the_face(block_file: Path
     assert side.area == pytest.approx(0.04 * 0.02, rel=1e-12)
     across = np.linalg.norm(mesh.points[bore.nodes, :2] - [0.03, 0.02], axis=1)
     np.testing.assert_allclose(across, 0.008, rtol=1e-9)  # middle nodes too
+
+
+def test_a_mesh_of_another_volume_than_its_solid_is_told(block_file: Path) -> None:
+    source = read_mesh_source(part(block_file, 1e-2).body(step=1e-5))
+    assert not list(_of_volume(source))
+    smaller = replace(source.geometry, volume=0.99 * source.geometry.volume)
+    other = replace(source, mesh=replace(source.mesh, geometry=smaller))
+    (doubt,) = _of_volume(other)
+    assert "+1 % beside the 4.354e-05 m^3" in doubt
+
+
+def test_a_measured_part_is_meshed_once(
+    block_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the mass that was weighed makes another body of it; by both commands."""
+    corners = [[0.0, 0.0, 0.0], [0.06, 0.0, 0.0], [0.0, 0.04, 0.0], [0.06, 0.04, 0.02]]
+    rows = [f"p{k}, {x}, {y}, {z}, {a}" for k, (x, y, z) in enumerate(corners) for a in "xyz"]
+    (tmp_path / "channels.csv").write_text("\n".join(["label, x, y, z, axis", *rows]))
+    tested = part(block_file, 1e-2)
+    for k, corner in enumerate(corners):
+        tested.sensor(f"p{k}", corner)
+    element = tested.superelement(step=2e-6)
+    lowest = np.argsort(element.modes.omega)[:3]
+    np.savez(
+        tmp_path / "modes.npz",
+        frequency=0.97 * element.modes.omega[lowest] / (2.0 * pi),
+        damping=np.full(3, 0.01),
+        shapes=element.channels.phi[:, lowest].T,
+    )
+    made = part(block_file, 1e-2)
+    made.measured(tmp_path / "modes.npz", tmp_path / "channels.csv", mass=1.1 * element.mass)
+    body, meshed = made.body(step=2e-6), []
+
+    def counted(*given: Any) -> Any:
+        meshed.append(given)
+        return mesh_of_cad(*given)
+
+    monkeypatch.setattr("duhamel.preprocess.sources.reading.mesh_of_cad", counted)
+    assert preprocess.build(body).mass == pytest.approx(1.1 * element.mass, rel=1e-9)
+    assert survey(body).structure.rigid.mass == pytest.approx(1.1 * element.mass, rel=1e-9)
+    assert len(meshed) == 2  # one for each
+
+
+def test_frames_stand_on_the_axis_of_holes_with_keyways_and_of_half_shells(tmp_path: Path) -> None:
+    """Where the centroid of their facets is not; and on the axis of what a box leaves of them."""
+    made = du.Part.from_step(write(tmp_path / "hub.step", hub), STEEL, 6e-3)
+    bore, half = du.hole([0.02, 0.018, 0.01]), du.face([0.02, 0.035, 0.01])
+    made.interface("bore", bore)
+    made.interface("seat", half)
+    lower = du.box([0.0, 0.0, -0.001], [0.04, 0.04, 0.0125])
+    made.interface("lower", bore & lower)
+    frames = preprocess.assemble(made.body(step=1e-5)).frames
+    np.testing.assert_allclose(frames["bore"].X, [0.02, 0.018, 0.01], atol=1e-9)
+    np.testing.assert_allclose(frames["seat"].X, [0.02, 0.04, 0.01], atol=1e-9)
+    assert frames["bore"].fit.middle[0] < 0.0195
+    assert frames["seat"].fit.middle[1] < 0.037
+    X = frames["lower"].X
+    np.testing.assert_allclose(X[:2], [0.02, 0.018], atol=1e-9)
+    assert 0.002 < X[2] < 0.0063
 
 
 def test_a_bar_of_steel_rings_as_the_standard_for_youngs_modulus_says(tmp_path: Path) -> None:

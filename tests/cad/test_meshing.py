@@ -86,5 +86,5 @@ def test_a_volume_that_one_algorithm_gives_up_is_filled_by_another(
 def test_flat_tetrahedra_are_told(shape: float, doubts: int) -> None:
     given: Any = (CORNERS, [[0, 1, 2, 3]])
     quality = Quality(elements=1, worst_shape=shape, mean_shape=0.7, worst_jacobian=1.0)
-    mesh = replace(mesh_of(given), geometry=CadGeometry("part", (), quality, "4.15"))
+    mesh = replace(mesh_of(given), geometry=CadGeometry("part", 1.0 / 6.0, (), {}, quality, "4.15"))
     assert len(list(doubts_of_mesh(mesh))) == doubts

@@ -84,7 +84,7 @@ def test_tables_and_matlab_files_go_into_the_folder(runner, results_file, tmp_pa
         (["--to", "abaqus", "--until", "0.1"], "--from and --until go with --to vtk, csv or mat"),
         (
             ["--to", "stl"],
-            "--to: expected one of vtk, csv, mat, abaqus, nastran, craig-bampton, found 'stl'",
+            "--to: expected one of vtk, csv, mat, abaqus, nastran, craig-bampton, sid, found 'stl'",
         ),
         (["--all", "--frames", "5"], "expected one of --frames and --all"),
         (["--magnify", "nan"], "--magnify: expected a number, found nan"),
