@@ -1,4 +1,4 @@
-"""A parameter within the search of a fit: where it begins, its bounds, and how it is counted."""
+"""A parameter within a search: where it begins, its bounds, and how it is counted."""
 
 from dataclasses import dataclass
 from math import exp, log
@@ -56,9 +56,9 @@ class SearchAxis:
         """The lower bound, -1, or the upper one, 1."""
         return self.low if side < 0 else self.high
 
-    def ends(self, value: float) -> tuple[float, float]:
-        """Between which the difference about a value is taken."""
-        step = JACOBIAN_STEP * (abs(value) if self.logarithmic else self.scale)
+    def ends(self, value: float, width: float = JACOBIAN_STEP) -> tuple[float, float]:
+        """Between which the difference about a value is taken; width: over its scale."""
+        step = width * (abs(value) if self.logarithmic else self.scale)
         # One-sided at a bound: beyond it the model may not exist.
         return min(value + step, self.high), max(value - step, self.low)
 

@@ -1,0 +1,358 @@
+"""Parameters of a model for which an output of its runs is least or largest, within limits.
+
+    minimize  f(p)    subject to    low_i <= g_i(p) <= high_i    and the bounds of p
+
+Derivatives are differences of runs, made on all cores. The search sees parameters by their own
+sizes, the objective by its slope at the start, and limits by their own sizes, so that units do not
+matter.
+
+Source: docs/theory.md, Optimization.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files import require_no_input
+from ..files.arrays import Array
+from ..inputs import InputError, dotted, read_part
+from ..results import Results
+from ..solver import Model
+from .errors import StudyError
+from .goals import DEFAULT_RUNS, Goals, OptimizeTable
+from .one_model import StudyParameter, read_study_of_one_model
+from .optimize_problem import OptimizeProblem, SearchStoppedError, Trial
+from .optimum import OptimizedConstraint, OptimizedParameter, Optimum
+from .parameter import Parameter, family_of
+from .parametrized import Parametrized
+from .runs import runs_at
+from .search import LOCAL_SEARCHES, Ending, differential_evolution, least_violation
+from .search_axis import SearchAxis
+from .stationarity import Stationarity, stationarity
+
+MOST_STARTS = 4
+"""of a local search, each from where the last one ended"""
+WORTHWHILE = 1e-4
+"""improvement over the size of the objective, for which a search is begun again"""
+LEAST_SLOPE = 1e-2
+"""of the first slope, below which it counts as none"""
+LEAST_ELASTICITY = 1e-3
+"""of the objective, in per cent for one per cent of a parameter, below which it counts as flat"""
+GLOBAL_SHARE = 0.7
+"""of the runs, that a global search leaves a local one the rest of"""
+LOCAL_AFTER_GLOBAL = "slsqp"
+
+
+def optimize(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> Optimum:
+    """Optimize the parameters of a study file as its table [optimize] asks for.
+
+    Parameters
+    ----------
+    path : path
+        A study file with `model`, `parameters`, `outputs` and [optimize], as docs/studies.md
+        describes it. A parameter begins at its number, the mean of its normal distribution, or the
+        value of the model file; uniform and log_uniform ranges are bounds, the latter with steps in
+        the logarithm.
+    output : path, optional
+        The model file with the optimized values, by default none.
+
+    Returns
+    -------
+    Optimum
+        Also where no optimum was found: `state` says so.
+
+    Raises
+    ------
+    StudyError
+        Names the file and the key; also where the model does not run at the start.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from duhamel.solver import Model, RigidBody, Settings, write_model
+    >>> ball = RigidBody(2.0, [0.1] * 3)
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> study = '''
+    ... model = "ball.toml"
+    ... parameters."bodies.ball.velocity.2".uniform = [0, 20]
+    ... outputs.end = "final position:ball:z"
+    ... optimize.minimize = "(end - 1)**2"
+    ... '''
+    >>> with TemporaryDirectory() as name:
+    ...     folder = Path(name)
+    ...     write_model(model, folder / "ball.toml")
+    ...     text = (folder / "ball.toml").read_text()
+    ...     written = (folder / "ball.toml").write_text(
+    ...         text.replace("mass", "velocity = [0, 0, 2]\\nmass", 1)
+    ...     )
+    ...     written = (folder / "throw.toml").write_text(study)
+    ...     found = optimize(folder / "throw.toml")
+    >>> found.converged, round(found.parameters[0].value, 3)
+    (True, 6.0)
+    """
+    study = read_study_of_one_model(path)
+    try:
+        if study.file.optimize is None:
+            raise StudyError("expected the table [optimize], found none")
+        target = None if output is None else Path(output).absolute()
+        if target is not None:
+            require_no_input(target, [study.path, study.base], "an input of the search")
+        goals = Goals(study.file.optimize, study.file.outputs)
+        found = _optimum(study.parametrized, study.parameters, goals)
+        if target is not None:
+            study.write(target, found.values)
+    except StudyError as error:
+        raise StudyError(f"{study.path}: {error}") from error
+    return found
+
+
+def optimize_model(
+    model: Model | Callable[..., Model],
+    parameters: Mapping[str, str | Parameter],
+    outputs: Mapping[str, str] | None = None,
+    *,
+    minimize: str | None = None,
+    maximize: str | None = None,
+    constraints: Mapping[str, tuple[float | None, float | None]] | None = None,
+    method: str = "slsqp",
+    runs: int = DEFAULT_RUNS,
+    seed: int = 0,
+) -> Optimum:
+    """Optimize parameters of a model in memory, or of a function that makes one.
+
+    Parameters
+    ----------
+    model : Model or callable
+        Or a function that makes it, with the parameters as keywords.
+    parameters : mapping of Parameter
+        By names of your own; a text is the key of a parameter without bounds.
+    outputs : mapping of str, optional
+        By name, as in study files.
+    minimize, maximize : str
+        One of them: the name of an output, an output, or arithmetic of outputs and parameters.
+    constraints : mapping of (low, high), optional
+        Of what `minimize` takes: its limits, None where there is none; two equal ones are an
+        equality.
+    method : {"slsqp", "trust-constr", "global"}
+        "global" looks in all of the bounds first.
+    runs : int
+        How many it may make.
+    seed : int
+        Of the random numbers of a global search.
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    StudyError
+        Names the argument; also where the model does not run at the start.
+
+    Examples
+    --------
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> from duhamel.study import Parameter, optimize_model
+    >>> def fall(mass: float) -> Model:
+    ...     ball = RigidBody(mass, [0.1] * 3)
+    ...     settings = Settings(t_end=1.0, step=0.1)
+    ...     return Model({"ball": ball}, gravity=(0, 0, -10), settings=settings)
+    >>> found = optimize_model(
+    ...     fall,
+    ...     {"mass": Parameter(start=3.0, bounds=(1.0, 5.0))},
+    ...     minimize="mass",
+    ...     constraints={"max energy:kinetic": (100.0, None)},
+    ... )
+    >>> found.converged, round(found.value, 6), round(found.constraints[0].multiplier, 6)
+    (True, 2.0, 0.02)
+    """
+    tables: dict[str, Any] = {
+        "minimize": minimize,
+        "maximize": maximize,
+        "constraints": [
+            {"output": name}
+            | {
+                key: float(end)
+                for key, end in zip(("min", "max"), ends, strict=True)
+                if end is not None
+            }
+            for name, ends in (constraints or {}).items()
+        ],
+        "method": method,
+        "runs": runs,
+        "seed": seed,
+    }
+    try:
+        table = read_part(
+            {key: one for key, one in tables.items() if one is not None}, OptimizeTable
+        )
+    except InputError as error:
+        raise StudyError(f"optimize: {error}") from error
+    family, starts = family_of(model, parameters)
+    return _optimum(family, starts, Goals(table, outputs or {}))
+
+
+def _optimum(
+    family: Parametrized, parameters: Mapping[str, StudyParameter], goals: Goals
+) -> Optimum:
+    if shared := sorted(goals.outputs.keys() & parameters.keys()):
+        raise StudyError(f"outputs.{dotted([shared[0]])}: is the name of a parameter too")
+    axes = [SearchAxis.of(name, parameter) for name, parameter in parameters.items()]
+    table = goals.table
+    if table.method == "global":
+        for axis in axes:
+            if not np.isfinite(axis.high - axis.low):
+                raise StudyError(
+                    f"parameters.{dotted([axis.name])}: a global search takes bounds, "
+                    "{uniform = [..]}: found none"
+                )
+    problem = OptimizeProblem(family, axes, goals, table.runs)
+    try:
+        problem.begin()
+    except SearchStoppedError as error:
+        raise StudyError(f"cannot begin: {error}") from error
+    first_slope = _largest_slope(problem, problem.start)
+    ending = _search(problem)
+    return _report(problem, ending, first_slope, family)
+
+
+def _search(problem: OptimizeProblem) -> Ending:
+    """The search that is asked for, and others from where it ended while that is worth it."""
+    method, begin = problem.goals.table.method, problem.start
+    try:
+        if method == "global":
+            with problem.some_runs(GLOBAL_SHARE):
+                told = _global(problem, begin)
+            begin = problem.inner(problem.best().values)
+            problem.rescale(begin)
+        local = LOCAL_SEARCHES.get(method, LOCAL_SEARCHES[LOCAL_AFTER_GLOBAL])
+        for _ in range(MOST_STARTS):
+            before = problem.best()
+            ending = local(problem, begin)
+            after = problem.best()
+            begin = problem.inner(after.values)
+            if not after.is_feasible:
+                least_violation(problem, begin)
+                begin = problem.inner(problem.best().values)
+                if not problem.best().is_feasible:
+                    break
+                problem.rescale(begin)
+                continue
+            gain = abs(after.objective - before.objective)
+            if before.is_feasible and gain <= WORTHWHILE * abs(before.objective):
+                break
+            problem.rescale(begin)
+    except SearchStoppedError as error:
+        return Ending(False, str(error))
+    return Ending(ending.converged, f"{told}; {ending.told}" if method == "global" else ending.told)
+
+
+def _global(problem: OptimizeProblem, begin: Array) -> str:
+    try:
+        return differential_evolution(problem, begin).told
+    except SearchStoppedError as error:
+        return f"differential evolution: {error}"
+
+
+def _largest_slope(problem: OptimizeProblem, inner: Array) -> float:
+    """Of the objective, in its own unit for the size of a parameter."""
+    slopes = problem.slopes(inner)[problem.is_objective]
+    return float(np.abs(slopes).max(initial=0.0)) * problem.objective_scale
+
+
+def _report(
+    problem: OptimizeProblem, ending: Ending, first_slope: float, family: Parametrized
+) -> Optimum:
+    problem.has_ended = True
+    best, start, goals = problem.best(), problem.trials[0], problem.goals
+    inner = problem.inner(best.values)
+    (run,) = runs_at(family, [best.values])
+    (first_run,) = runs_at(family, [start.values])
+    assert isinstance(run, Results)
+    assert isinstance(first_run, Results)
+    units = goals.units(run)
+    try:
+        holds = stationarity(problem, inner)
+    except SearchStoppedError as error:
+        ending = Ending(False, f"{ending.told}; {error}")
+        holds = Stationarity(np.inf, np.zeros(len(problem.limit_rows)), np.zeros(len(inner), int))
+    left = holds.left * problem.objective_scale
+    is_flat = left <= max(LEAST_SLOPE * first_slope, LEAST_ELASTICITY * abs(best.objective))
+    told = ending.told
+    if ending.converged and not is_flat:
+        told += (
+            f"; yet a slope of {left:.2g} for the size of a parameter is left, as where the "
+            "objective jumps or is noisy"
+        )
+    known, first_known = goals.known(run), goals.known(first_run)
+    return Optimum(
+        goals.table.objective,
+        units.get(goals.table.objective, ""),
+        goals.table.sign < 0.0,
+        start.objective,
+        best.objective,
+        tuple(
+            OptimizedParameter(axis.name, axis.start, best.values[axis.name], bool(side))
+            for axis, side in zip(problem.axes, holds.bound.tolist(), strict=True)
+        ),
+        tuple(_constraints(problem, start, best, holds, units)),
+        {name: (first_known[name], known[name]) for name in goals.outputs},
+        units,
+        ending.converged and is_flat and best.is_feasible,
+        told,
+        0.0 if best.is_feasible else best.violation,
+        problem.runs,
+        problem.failed,
+        problem.failure,
+        tuple(problem.trials),
+        tuple(_remarks(problem, inner)),
+        tuple(run.validity.brief()),
+    )
+
+
+def _constraints(
+    problem: OptimizeProblem,
+    start: Trial,
+    best: Trial,
+    holds: Stationarity,
+    units: Mapping[str, str],
+) -> list[OptimizedConstraint]:
+    limits, made = problem.goals.limits, []
+    for n, table in enumerate(problem.goals.table.constraints):
+        multiplier = 0.0
+        for k, limit in enumerate(limits):
+            if limit.constraint == n:
+                of_rows = holds.multipliers[problem.limit_rows == k].sum()
+                scaled = float(of_rows) * problem.objective_scale / problem.goals.scales[k]
+                # An equality counts upward: it has no side on which it gives way.
+                multiplier += scaled
+        made.append(
+            OptimizedConstraint(
+                table.output,
+                units.get(table.output, ""),
+                -np.inf if table.min is None else table.min,
+                np.inf if table.max is None else table.max,
+                float(start.constraints[n]),
+                float(best.constraints[n]),
+                multiplier,
+            )
+        )
+    return made
+
+
+def _remarks(problem: OptimizeProblem, inner: Array) -> list[str]:
+    made = [
+        f"by {name} something switches within the run: differences are taken over 1 % of it"
+        for name in problem.uneven
+    ]
+    try:
+        slopes = problem.slopes(inner)
+    except SearchStoppedError:
+        return made
+    for axis, column in zip(problem.axes, slopes.T, strict=True):
+        if not column.any():
+            made.append(f"{axis.name} changes neither the objective nor a constraint here")
+    return made

@@ -1,0 +1,305 @@
+"""The goals of a search and their derivatives, by runs of its model."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files.arrays import Array
+from ..results import Results, SeriesError
+from ..solver import simulate
+from .differences import DIFFERENCE_STEPS, slopes_of
+from .errors import StudyError
+from .goals import Goals
+from .parametrized import Parametrized
+from .runs import runs_at
+from .search_axis import JACOBIAN_STEP, SearchAxis
+
+FIRST_STEP = 0.25
+"""of the first step of a search, over the size of the parameters"""
+CENTRAL = 1e-6
+"""of a step, by which the other one about a point may differ"""
+FEASIBLE = 1e-6
+"""of a limit, by which it may be missed"""
+
+
+class SearchStoppedError(Exception):
+    """A search cannot go on; the message says why."""
+
+
+class Trial(NamedTuple):
+    """A point of a search: parameters, the objective as asked for, constraints (c,), and the
+    largest part of a limit by which one is missed; failure: why there is no run.
+    """
+
+    values: Mapping[str, float]
+    objective: float
+    constraints: Array
+    violation: float
+    failure: str = ""
+
+    @property
+    def is_feasible(self) -> bool:
+        return self.violation <= FEASIBLE
+
+
+class OptimizeProblem:
+    """What a search minimizes: numbers of runs by parameters that are counted by their own size.
+
+    numbers: the vector of goals at a point, divided by their scales: first those of the objective,
+    of which the largest counts, then limits, which are kept where they are not above 0.
+    """
+
+    def __init__(
+        self, family: Parametrized, axes: Sequence[SearchAxis], goals: Goals, most_runs: int
+    ) -> None:
+        self._family, self.axes, self.goals, self._most_runs = family, axes, goals, most_runs
+        self.runs, self.failed = 0, 0
+        self.has_ended = False
+        """whether runs are made for the report alone, beyond those of the search"""
+        self.failure = ""
+        """of the first run that failed"""
+        self.trials: list[Trial] = []
+        self._known: dict[bytes, Array | None] = {}
+        self._slopes: dict[bytes, Array] = {}
+        self._objective_scale = 1.0
+        self._steps = np.full(len(axes), JACOBIAN_STEP)
+
+    def begin(self) -> Results:
+        """Make the run at the start, and choose steps of differences; `StudyError` without it."""
+        values = self.values(self.start)
+        results = simulate(self._family.make(values))
+        self.runs += 1
+        self.goals.begin(results, self._family.look_up(values))
+        first = self._vector(values, results)
+        if isinstance(first, str):
+            raise StudyError(first)
+        self._lengths = [len(part) for part in first]
+        self._rows = np.repeat(np.arange(len(first)), self._lengths)
+        self._n_terms = len(first) - len(self.goals.limits)
+        self.uneven = self._choose_steps()
+        self._keep(self.start, values, results, first)
+        slopes = self._raw_slopes(self.start)[self.is_objective]
+        size = float(np.abs(slopes).max(initial=0.0))
+        raw = np.concatenate(first)[self.is_objective]
+        self._objective_scale = size / FIRST_STEP or float(np.abs(raw).max()) or 1.0
+        return results
+
+    @contextmanager
+    def some_runs(self, share: float) -> Iterator[None]:
+        """Let a search make a share of the runs alone."""
+        most = self._most_runs
+        self._most_runs = int(share * most)
+        try:
+            yield
+        finally:
+            self._most_runs = most
+
+    def rescale(self, inner: Array) -> None:
+        """Count the objective by its slope here."""
+        size = float(np.abs(self._raw_slopes(inner)[self.is_objective]).max(initial=0.0))
+        self._objective_scale = size / FIRST_STEP or self._objective_scale
+
+    @property
+    def start(self) -> Array:
+        return np.array([axis.inner(axis.start) for axis in self.axes])
+
+    @property
+    def bounds(self) -> Array:
+        """(2, n)"""
+        return np.array(
+            [
+                [axis.inner(end) if np.isfinite(end) else end for end in (axis.low, axis.high)]
+                for axis in self.axes
+            ]
+        ).T
+
+    @property
+    def is_objective(self) -> NDArray[np.bool_]:
+        return self._rows < self._n_terms
+
+    @property
+    def is_equality(self) -> NDArray[np.bool_]:
+        return self._of_limits([limit.is_equality for limit in self.goals.limits], False) > 0.0
+
+    @property
+    def limit_rows(self) -> NDArray[np.intp]:
+        """The limit that each row of numbers is of, below 0 for the objective."""
+        return self._rows - self._n_terms
+
+    @property
+    def objective_scale(self) -> float:
+        return self._objective_scale
+
+    def values(self, inner: Array) -> dict[str, float]:
+        return {
+            # Rounding of logarithms must not leave the bounds.
+            axis.name: min(max(axis.outer(x), axis.low), axis.high)
+            for axis, x in zip(self.axes, inner.tolist(), strict=True)
+        }
+
+    def inner(self, values: Mapping[str, float]) -> Array:
+        return np.array([axis.inner(values[axis.name]) for axis in self.axes])
+
+    def numbers(self, inner: Array) -> Array | None:
+        """(m,), or none where the run failed."""
+        (found,) = self.many([inner])
+        return found
+
+    def many(self, points: Sequence[Array]) -> list[Array | None]:
+        """The numbers at several points, whose runs are made at once."""
+        new = {one.tobytes(): one for one in points if one.tobytes() not in self._known}
+        values = [self.values(one) for one in new.values()]
+        for inner, at, run in zip(new.values(), values, self._runs(values), strict=True):
+            self._keep(inner, at, run, self._vector(at, run))
+        return [
+            None if (raw := self._known[p.tobytes()]) is None else self._scaled(raw) for p in points
+        ]
+
+    def slopes(self, inner: Array) -> Array:
+        """The derivatives of the numbers (m, n)."""
+        return self._raw_slopes(inner) / self._scales[:, None]
+
+    def best(self) -> Trial:
+        """The best trial: within the limits, or else nearest to them."""
+        whole = [one for one in self.trials if not one.failure]
+        sign = self.goals.table.sign
+        feasible = [one for one in whole if one.is_feasible]
+        if feasible:
+            return min(feasible, key=lambda one: sign * one.objective)
+        return min(whole, key=lambda one: one.violation)
+
+    @property
+    def _scales(self) -> Array:
+        scales = self._of_limits(self.goals.scales, self._objective_scale)
+        return scales
+
+    def _of_limits(self, values: Sequence[float], objective: float) -> Array:
+        """A number of each limit, and one of the objective, for each row."""
+        return np.repeat([*([objective] * self._n_terms), *values], self._lengths).astype(float)
+
+    def _scaled(self, raw: Array) -> Array:
+        limits = self._of_limits([limit.sign * limit.value for limit in self.goals.limits], 0.0)
+        found: Array = (raw - limits) / self._scales
+        return found
+
+    def _keep(
+        self,
+        inner: Array,
+        values: dict[str, float],
+        run: Results | Exception,
+        found: list[Array] | str,
+    ) -> None:
+        """Remember a point of the search, with what users know of it."""
+        n = len(self.goals.table.constraints)
+        if isinstance(found, str) or isinstance(run, Exception):
+            self._known[inner.tobytes()] = None
+            self.trials.append(Trial(values, np.nan, np.full(n, np.nan), np.inf, str(found)))
+            return
+        raw = np.concatenate(found)
+        self._known[inner.tobytes()] = raw
+        known, look_up = self.goals.known(run), self._family.look_up(values)
+        missed = np.where(self.is_equality, np.abs(scaled := self._scaled(raw)), scaled)
+        self.trials.append(
+            Trial(
+                values,
+                self.goals.objective(known, look_up),
+                self.goals.constraints(known, look_up),
+                float(missed[~self.is_objective].max(initial=0.0)),
+            )
+        )
+
+    def _vector(self, values: Mapping[str, float], run: Results | Exception) -> list[Array] | str:
+        """The numbers of each goal, or why there are none."""
+        if isinstance(run, Exception):
+            return str(run) or type(run).__name__
+        try:
+            found = self.goals.numbers(run, self._family.look_up(values))
+        except SeriesError as error:
+            return str(error)
+        if not all(np.isfinite(part).all() for part in found):
+            return "an output has no number"
+        return found
+
+    def _raw_slopes(self, inner: Array) -> Array:
+        key = inner.tobytes()
+        if key not in self._slopes:
+            self._slopes[key] = self._differences(inner)
+        return self._slopes[key]
+
+    def _differences(self, inner: Array) -> Array:
+        """Central differences; one-sided where a run on one side fails, or a bound is near."""
+        values, base = self.values(inner), self._known[inner.tobytes()]
+        if base is None:
+            raise SearchStoppedError(f"a run failed: {self.failure}")
+        ends = [
+            axis.ends(values[axis.name], step)
+            for axis, step in zip(self.axes, self._steps.tolist(), strict=True)
+        ]
+        points = [
+            {**values, axis.name: end}
+            for axis, both in zip(self.axes, ends, strict=True)
+            for end in both
+        ]
+        found = [
+            None if isinstance(part := self._vector(at, run), str) else np.concatenate(part)
+            for at, run in zip(points, self._runs(points), strict=True)
+        ]
+        columns = []
+        for axis, (high, low), ahead, back in zip(
+            self.axes, ends, found[::2], found[1::2], strict=True
+        ):
+            at = values[axis.name]
+            if ahead is None and back is None:
+                raise SearchStoppedError(
+                    f"the model does not run beside {axis.name} = {at:.9g}: {self.failure}"
+                )
+            if ahead is None or back is None:
+                high, low = (at, low) if ahead is None else (high, at)
+            ahead, back = (base if one is None else one for one in (ahead, back))
+            columns.append((ahead - back) / (high - low) * axis.slope(at))
+        return np.array(columns).T
+
+    def _choose_steps(self) -> list[str]:
+        """Wide steps of the parameters by which goals switch; their names."""
+        widths = DIFFERENCE_STEPS
+        uneven = []
+        points, places = [], []
+        start = {axis.name: axis.start for axis in self.axes}
+        for i, axis in enumerate(self.axes):
+            for j, width in enumerate(widths.tolist()):
+                high, low = axis.ends(axis.start, width)
+                # Cut off at a bound they would not be central, and seem uneven.
+                if np.isclose(high - axis.start, axis.start - low, rtol=CENTRAL):
+                    points += [start | {axis.name: high}, start | {axis.name: low}]
+                    places.append((i, j, high - low))
+        runs = self._runs(points)
+        ends = [self._extremes(at, run) for at, run in zip(points, runs, strict=True)]
+        differences = np.full((len(self.axes), len(widths), len(self._lengths)), np.nan)
+        for (i, j, width), ahead, back in zip(places, ends[::2], ends[1::2], strict=True):
+            differences[i, j] = (ahead - back) / width
+        for i, axis in enumerate(self.axes):
+            if slopes_of(differences[i]).switches.any():
+                self._steps[i] = widths[0]
+                uneven.append(axis.name)
+        return uneven
+
+    def _extremes(self, values: Mapping[str, float], run: Results | Exception) -> Array:
+        """The largest number of each goal."""
+        found = self._vector(values, run)
+        if isinstance(found, str):
+            return np.full(len(self._lengths), np.nan)
+        return np.array([part.max() for part in found])
+
+    def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
+        if self.runs + len(points) > self._most_runs and not self.has_ended:
+            raise SearchStoppedError(f"the limit of {self._most_runs} runs")
+        self.runs += len(points)
+        found = runs_at(self._family, points)
+        for one in found:
+            if isinstance(one, Exception):
+                self.failed += 1
+                self.failure = self.failure or str(one)
+        return found
