@@ -46,15 +46,15 @@ class ConstraintTable(Table):
 class OptimizeTable(Table):
     """What a search improves, within which limits, and how.
 
-    minimize, maximize: the name of an output, an output, or arithmetic; method: "slsqp" and
-    "trust-constr" go downhill from the start, "global" looks in all of the bounds first, with
-    random numbers from `seed`; runs: how many it may make.
+    minimize, maximize: the name of an output, an output, or arithmetic; method: "local" goes
+    downhill from the start, "global" looks in all of the bounds first, with random numbers from
+    `seed`; runs: how many it may make.
     """
 
     minimize: str | None = None
     maximize: str | None = None
     constraints: tuple[ConstraintTable, ...] = ()
-    method: Literal["slsqp", "trust-constr", "global"] = "slsqp"
+    method: Literal["local", "global"] = "local"
     runs: int = Field(default=DEFAULT_RUNS, ge=1)
     seed: int = Field(default=0, ge=0)
 
@@ -104,9 +104,10 @@ class Goals:
     def __init__(self, table: OptimizeTable, outputs: Mapping[str, str]) -> None:
         self.table = table
         self.outputs = dict(outputs)
-        terms = arguments_of(table.objective, "max" if table.sign > 0.0 else "min")
-        if self._named(table.objective):
-            terms = [table.objective]
+        # The largest of several is taken as several too.
+        largest = "max" if table.sign > 0.0 else "min"
+        is_output = self._named(table.objective)
+        terms = [table.objective] if is_output else arguments_of(table.objective, largest)
         key = "optimize.minimize" if table.sign > 0.0 else "optimize.maximize"
         self._goals = [Goal(key, text, table.sign) for text in terms]
         self._goals += [

@@ -19,8 +19,8 @@ import numpy as np
 from ..files import require_no_input
 from ..files.arrays import Array
 from ..inputs import InputError, dotted, read_part
-from ..results import Results
 from ..solver import Model
+from .differences import DIFFERENCE_STEPS
 from .errors import StudyError
 from .goals import DEFAULT_RUNS, Goals, OptimizeTable
 from .one_model import StudyParameter, read_study_of_one_model
@@ -28,8 +28,7 @@ from .optimize_problem import OptimizeProblem, SearchStoppedError, Trial
 from .optimum import OptimizedConstraint, OptimizedParameter, Optimum
 from .parameter import Parameter, family_of
 from .parametrized import Parametrized
-from .runs import runs_at
-from .search import LOCAL_SEARCHES, Ending, differential_evolution, least_violation
+from .search import Ending, differential_evolution, least_violation, slsqp
 from .search_axis import SearchAxis
 from .stationarity import Stationarity, stationarity
 
@@ -43,7 +42,8 @@ LEAST_ELASTICITY = 1e-3
 """of the objective, in per cent for one per cent of a parameter, below which it counts as flat"""
 GLOBAL_SHARE = 0.7
 """of the runs, that a global search leaves a local one the rest of"""
-LOCAL_AFTER_GLOBAL = "slsqp"
+RUNS_AT_START = 2 * len(DIFFERENCE_STEPS) + 2
+"""for each parameter"""
 
 
 def optimize(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None) -> Optimum:
@@ -117,7 +117,7 @@ def optimize_model(
     minimize: str | None = None,
     maximize: str | None = None,
     constraints: Mapping[str, tuple[float | None, float | None]] | None = None,
-    method: str = "slsqp",
+    method: str = "local",
     runs: int = DEFAULT_RUNS,
     seed: int = 0,
 ) -> Optimum:
@@ -136,8 +136,8 @@ def optimize_model(
     constraints : mapping of (low, high), optional
         Of what `minimize` takes: its limits, None where there is none; two equal ones are an
         equality.
-    method : {"slsqp", "trust-constr", "global"}
-        "global" looks in all of the bounds first.
+    method : {"local", "global"}
+        "local" goes downhill from the start, "global" looks in all of the bounds first.
     runs : int
         How many it may make.
     seed : int
@@ -209,14 +209,21 @@ def _optimum(
                     f"parameters.{dotted([axis.name])}: a global search takes bounds, "
                     "{uniform = [..]}: found none"
                 )
-    problem = OptimizeProblem(family, axes, goals, table.runs)
+    # Differences at the end come on top of the search.
+    least = RUNS_AT_START * len(axes) + 2
+    if table.runs < least + 2 * len(axes):
+        raise StudyError(
+            f"optimize.runs: expected at least {least + 2 * len(axes)} for {len(axes)} parameters, "
+            f"found {table.runs}"
+        )
+    problem = OptimizeProblem(family, axes, goals, table.runs - 2 * len(axes))
     try:
         problem.begin()
     except SearchStoppedError as error:
         raise StudyError(f"cannot begin: {error}") from error
     first_slope = _largest_slope(problem, problem.start)
     ending = _search(problem)
-    return _report(problem, ending, first_slope, family)
+    return _report(problem, ending, first_slope)
 
 
 def _search(problem: OptimizeProblem) -> Ending:
@@ -226,24 +233,18 @@ def _search(problem: OptimizeProblem) -> Ending:
         if method == "global":
             with problem.some_runs(GLOBAL_SHARE):
                 told = _global(problem, begin)
-            begin = problem.inner(problem.best().values)
+            begin = problem.best_point
             problem.rescale(begin)
-        local = LOCAL_SEARCHES.get(method, LOCAL_SEARCHES[LOCAL_AFTER_GLOBAL])
         for _ in range(MOST_STARTS):
-            before = problem.best()
-            ending = local(problem, begin)
-            after = problem.best()
-            begin = problem.inner(after.values)
-            if not after.is_feasible:
-                least_violation(problem, begin)
-                begin = problem.inner(problem.best().values)
-                if not problem.best().is_feasible:
+            before = problem.best
+            ending = slsqp(problem, begin)
+            if not problem.best.is_feasible:
+                least_violation(problem, problem.best_point)
+                if not problem.best.is_feasible:
                     break
-                problem.rescale(begin)
-                continue
-            gain = abs(after.objective - before.objective)
-            if before.is_feasible and gain <= WORTHWHILE * abs(before.objective):
+            elif before.is_feasible and not _is_worthwhile(before, problem.best):
                 break
+            begin = problem.best_point
             problem.rescale(begin)
     except SearchStoppedError as error:
         return Ending(False, str(error))
@@ -257,25 +258,25 @@ def _global(problem: OptimizeProblem, begin: Array) -> str:
         return f"differential evolution: {error}"
 
 
+def _is_worthwhile(before: Trial, after: Trial) -> bool:
+    return abs(after.objective - before.objective) > WORTHWHILE * abs(before.objective)
+
+
 def _largest_slope(problem: OptimizeProblem, inner: Array) -> float:
     """Of the objective, in its own unit for the size of a parameter."""
     slopes = problem.slopes(inner)[problem.is_objective]
     return float(np.abs(slopes).max(initial=0.0)) * problem.objective_scale
 
 
-def _report(
-    problem: OptimizeProblem, ending: Ending, first_slope: float, family: Parametrized
-) -> Optimum:
+def _report(problem: OptimizeProblem, ending: Ending, first_slope: float) -> Optimum:
     problem.has_ended = True
-    best, start, goals = problem.best(), problem.trials[0], problem.goals
-    inner = problem.inner(best.values)
-    (run,) = runs_at(family, [best.values])
-    (first_run,) = runs_at(family, [start.values])
-    assert isinstance(run, Results)
-    assert isinstance(first_run, Results)
-    units = goals.units(run)
+    best, start, goals = problem.best, problem.trials[0], problem.goals
+    inner = problem.best_point
+    units = problem.units
     try:
         holds = stationarity(problem, inner)
+        if not best.is_feasible:
+            holds = holds._replace(multipliers=0.0 * holds.multipliers)
     except SearchStoppedError as error:
         ending = Ending(False, f"{ending.told}; {error}")
         holds = Stationarity(np.inf, np.zeros(len(problem.limit_rows)), np.zeros(len(inner), int))
@@ -287,7 +288,6 @@ def _report(
             f"; yet a slope of {left:.2g} for the size of a parameter is left, as where the "
             "objective jumps or is noisy"
         )
-    known, first_known = goals.known(run), goals.known(first_run)
     return Optimum(
         goals.table.objective,
         units.get(goals.table.objective, ""),
@@ -299,7 +299,7 @@ def _report(
             for axis, side in zip(problem.axes, holds.bound.tolist(), strict=True)
         ),
         tuple(_constraints(problem, start, best, holds, units)),
-        {name: (first_known[name], known[name]) for name in goals.outputs},
+        {name: (start.outputs[name], best.outputs[name]) for name in goals.outputs},
         units,
         ending.converged and is_flat and best.is_feasible,
         told,
@@ -309,7 +309,7 @@ def _report(
         problem.failure,
         tuple(problem.trials),
         tuple(_remarks(problem, inner)),
-        tuple(run.validity.brief()),
+        best.warnings,
     )
 
 
@@ -349,10 +349,10 @@ def _remarks(problem: OptimizeProblem, inner: Array) -> list[str]:
         for name in problem.uneven
     ]
     try:
-        slopes = problem.slopes(inner)
+        slopes = np.vstack([problem.slopes(problem.start), problem.slopes(inner)])
     except SearchStoppedError:
         return made
     for axis, column in zip(problem.axes, slopes.T, strict=True):
         if not column.any():
-            made.append(f"{axis.name} changes neither the objective nor a constraint here")
+            made.append(f"{axis.name} changes neither the objective nor a constraint")
     return made

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,8 @@ class SearchStoppedError(Exception):
 
 class Trial(NamedTuple):
     """A point of a search: parameters, the objective as asked for, constraints (c,), and the
-    largest part of a limit by which one is missed; failure: why there is no run.
+    largest part of a limit by which one is missed; failure: why there is no run; outputs: by name;
+    warnings: limits of the method that the run has passed.
     """
 
     values: Mapping[str, float]
@@ -39,6 +41,8 @@ class Trial(NamedTuple):
     constraints: Array
     violation: float
     failure: str = ""
+    outputs: Mapping[str, float] = MappingProxyType({})
+    warnings: tuple[str, ...] = ()
 
     @property
     def is_feasible(self) -> bool:
@@ -62,12 +66,13 @@ class OptimizeProblem:
         self.failure = ""
         """of the first run that failed"""
         self.trials: list[Trial] = []
+        self._points: list[Array] = []
         self._known: dict[bytes, Array | None] = {}
         self._slopes: dict[bytes, Array] = {}
         self._objective_scale = 1.0
         self._steps = np.full(len(axes), JACOBIAN_STEP)
 
-    def begin(self) -> Results:
+    def begin(self) -> None:
         """Make the run at the start, and choose steps of differences; `StudyError` without it."""
         values = self.values(self.start)
         results = simulate(self._family.make(values))
@@ -85,7 +90,7 @@ class OptimizeProblem:
         size = float(np.abs(slopes).max(initial=0.0))
         raw = np.concatenate(first)[self.is_objective]
         self._objective_scale = size / FIRST_STEP or float(np.abs(raw).max()) or 1.0
-        return results
+        self.units = self.goals.units(results)
 
     @contextmanager
     def some_runs(self, share: float) -> Iterator[None]:
@@ -135,13 +140,9 @@ class OptimizeProblem:
 
     def values(self, inner: Array) -> dict[str, float]:
         return {
-            # Rounding of logarithms must not leave the bounds.
-            axis.name: min(max(axis.outer(x), axis.low), axis.high)
+            axis.name: axis.within(axis.outer(x))
             for axis, x in zip(self.axes, inner.tolist(), strict=True)
         }
-
-    def inner(self, values: Mapping[str, float]) -> Array:
-        return np.array([axis.inner(values[axis.name]) for axis in self.axes])
 
     def numbers(self, inner: Array) -> Array | None:
         """(m,), or none where the run failed."""
@@ -160,21 +161,32 @@ class OptimizeProblem:
 
     def slopes(self, inner: Array) -> Array:
         """The derivatives of the numbers (m, n)."""
+        self.many([inner])
         return self._raw_slopes(inner) / self._scales[:, None]
 
+    @property
     def best(self) -> Trial:
         """The best trial: within the limits, or else nearest to them."""
-        whole = [one for one in self.trials if not one.failure]
-        sign = self.goals.table.sign
-        feasible = [one for one in whole if one.is_feasible]
-        if feasible:
-            return min(feasible, key=lambda one: sign * one.objective)
-        return min(whole, key=lambda one: one.violation)
+        return self.trials[self._best]
+
+    @property
+    def best_point(self) -> Array:
+        """Where it was made, as searches count parameters."""
+        return self._points[self._best]
+
+    @property
+    def _best(self) -> int:
+        def rank(n: int) -> tuple[bool, float]:
+            one, raw = self.trials[n], self._known[self._points[n].tobytes()]
+            if raw is None or not one.is_feasible:
+                return True, one.violation
+            return False, float(raw[self.is_objective].max())
+
+        return min(range(len(self.trials)), key=rank)
 
     @property
     def _scales(self) -> Array:
-        scales = self._of_limits(self.goals.scales, self._objective_scale)
-        return scales
+        return self._of_limits(self.goals.scales, self._objective_scale)
 
     def _of_limits(self, values: Sequence[float], objective: float) -> Array:
         """A number of each limit, and one of the objective, for each row."""
@@ -194,6 +206,7 @@ class OptimizeProblem:
     ) -> None:
         """Remember a point of the search, with what users know of it."""
         n = len(self.goals.table.constraints)
+        self._points.append(inner.copy())
         if isinstance(found, str) or isinstance(run, Exception):
             self._known[inner.tobytes()] = None
             self.trials.append(Trial(values, np.nan, np.full(n, np.nan), np.inf, str(found)))
@@ -208,6 +221,8 @@ class OptimizeProblem:
                 self.goals.objective(known, look_up),
                 self.goals.constraints(known, look_up),
                 float(missed[~self.is_objective].max(initial=0.0)),
+                outputs=known,
+                warnings=tuple(run.validity.brief()),
             )
         )
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from .optimize_problem import Trial
+from .optimize_problem import FEASIBLE, Trial
 
 ACTIVE = 1e-3
 """of a limit, from which a constraint is as tight as it may be"""
@@ -35,6 +35,12 @@ class OptimizedConstraint:
     start: float
     value: float
     multiplier: float
+
+    @property
+    def is_missed(self) -> bool:
+        """Whether it is beyond a limit, by more than rounding."""
+        over = max(self.value - self.high, self.low - self.value)
+        return over > FEASIBLE * (abs(self.high if self.value > self.high else self.low) or 1.0)
 
     @property
     def is_active(self) -> bool:
@@ -102,8 +108,13 @@ class Optimum:
         yield self.state
         if self.failed:
             yield f"{self.failed} of {self.runs} runs failed, the first one: {self.failure}"
+        for one in self.constraints:
+            if one.is_missed:
+                low, high = one.low, one.high
+                limit = f"max = {high:.6g}" if one.value > high else f"min = {low:.6g}"
+                yield f"{one.output} is {one.value:.6g}: {limit} is missed"
         yield from self.remarks
-        for one in self.parameters:
-            if one.at_bound:
-                yield f"{one.name} is at a bound, {one.value:.6g}"
+        for parameter in self.parameters:
+            if parameter.at_bound:
+                yield f"{parameter.name} is at a bound, {parameter.value:.6g}"
         yield from self.warnings

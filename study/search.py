@@ -4,13 +4,12 @@ Each takes a problem and where to begin, and says how it ended. A failed run has
 before which searches draw back.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..files.arrays import Array
-from .optimize_problem import OptimizeProblem
+from .optimize_problem import FIRST_STEP, OptimizeProblem
 
 FAILED = 1e3
 """the objective of a run that failed, in sizes of a first step, above the last one"""
@@ -129,35 +128,6 @@ def slsqp(problem: OptimizeProblem, begin: Array) -> Ending:
     return Ending(found.status == 0, f"SLSQP: {found.message}")
 
 
-def trust_constr(problem: OptimizeProblem, begin: Array) -> Ending:
-    """Interior points within a region of trust."""
-    from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
-
-    smooth = SmoothProblem(problem, begin)
-    constraints = []
-    if smooth.has_limits:
-        constraints.append(
-            NonlinearConstraint(smooth.limits, -np.inf, 0.0, jac=smooth.limit_slopes, hess=BFGS())
-        )
-    if smooth.has_equalities:
-        constraints.append(
-            NonlinearConstraint(
-                smooth.equalities, 0.0, 0.0, jac=smooth.equality_slopes, hess=BFGS()
-            )
-        )
-    found = minimize(
-        smooth.objective,
-        smooth.begin,
-        jac=smooth.objective_slope,
-        hess=BFGS(),
-        bounds=Bounds(*smooth.bounds.T),
-        constraints=constraints,
-        method="trust-constr",
-        options={"maxiter": MOST_ITERATIONS, "gtol": 1e-5, "xtol": 1e-7},
-    )
-    return Ending(found.status in (1, 2), f"trust-constr: {found.message}")
-
-
 def differential_evolution(problem: OptimizeProblem, begin: Array) -> Ending:
     """A population that draws together in the bounds; it ends at no optimum, only near one."""
     from scipy.optimize import Bounds, NonlinearConstraint
@@ -184,6 +154,7 @@ def differential_evolution(problem: OptimizeProblem, begin: Array) -> Ending:
         Bounds(*problem.bounds),
         popsize=POPULATION,
         tol=GLOBAL_TOLERANCE,
+        atol=GLOBAL_TOLERANCE * FIRST_STEP,
         rng=np.random.default_rng(problem.goals.table.seed),
         polish=False,
         init="sobol",
@@ -220,10 +191,6 @@ def least_violation(problem: OptimizeProblem, begin: Array) -> None:
         (low, high),
         max_nfev=MOST_ITERATIONS,
     )
-
-
-Search = Callable[[OptimizeProblem, Array], Ending]
-LOCAL_SEARCHES: dict[str, Search] = {"slsqp": slsqp, "trust-constr": trust_constr}
 
 
 def _columns(points: Array) -> list[Array]:
