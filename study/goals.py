@@ -21,7 +21,15 @@ from ..inputs import Table, quoted, rule
 from ..results import Results
 from .errors import StudyError
 from .expressions import LookUp, arguments_of, evaluate, names_in
-from .outputs import PEAK_REDUCTIONS, is_series, reduction_of, samples_of, units, values
+from .outputs import (
+    PEAK_REDUCTIONS,
+    is_series,
+    is_stepwise,
+    reduction_of,
+    samples_of,
+    units,
+    values,
+)
 
 MOST_PARTS = 100
 """of the time; more samples than that share a part with their neighbors"""
@@ -117,6 +125,12 @@ class Goals:
         ]
         for goal in self._goals:
             self._named(goal.text)
+            for name in self._outputs_of(goal):
+                if is_stepwise(self.outputs[name]):
+                    raise StudyError(
+                        f"{goal.key}: {self.outputs[name]!r} moves by jumps, and a search goes by "
+                        "slopes"
+                    )
         self.scales: list[float] = []
 
     def begin(self, results: Results, look_up: LookUp) -> None:
@@ -182,13 +196,16 @@ class Goals:
 
     def _peak_of(self, goal: Goal) -> str:
         """The only output of a goal that is a peak over time, or ""."""
-        named = [goal.text] if goal.text in self.outputs else [*names_in(goal.text)]
         peaks = {
             name
-            for name in named
-            if name in self.outputs and reduction_of(self.outputs[name]) in PEAK_REDUCTIONS
+            for name in self._outputs_of(goal)
+            if reduction_of(self.outputs[name]) in PEAK_REDUCTIONS
         }
         return peaks.pop() if len(peaks) == 1 else ""
+
+    def _outputs_of(self, goal: Goal) -> list[str]:
+        named = [goal.text] if goal.text in self.outputs else names_in(goal.text)
+        return [name for name in named if name in self.outputs]
 
     def _parts(
         self,

@@ -36,6 +36,10 @@ MOST_STARTS = 4
 """of a local search, each from where the last one ended"""
 WORTHWHILE = 1e-4
 """improvement over the size of the objective, for which a search is begun again"""
+BESIDE = 1e-2
+"""of the size of a parameter, to points beside an optimum, none of which may be better"""
+NOTHING = 1e-9
+"""of the first slope, below which an objective that falls to 0 has no more worth"""
 LEAST_SLOPE = 1e-2
 """of the first slope, below which it counts as none"""
 LEAST_ELASTICITY = 1e-3
@@ -222,17 +226,17 @@ def _optimum(
     except SearchStoppedError as error:
         raise StudyError(f"cannot begin: {error}") from error
     first_slope = _largest_slope(problem, problem.start)
-    ending = _search(problem)
+    ending = _search(problem, first_slope)
     return _report(problem, ending, first_slope)
 
 
-def _search(problem: OptimizeProblem) -> Ending:
+def _search(problem: OptimizeProblem, first_slope: float) -> Ending:
     """The search that is asked for, and others from where it ended while that is worth it."""
-    method, begin = problem.goals.table.method, problem.start
+    begin, told = problem.start, ""
     try:
-        if method == "global":
+        if problem.goals.table.method == "global":
             with problem.some_runs(GLOBAL_SHARE):
-                told = _global(problem, begin)
+                told = f"{_global(problem, begin)}; "
             begin = problem.best_point
             problem.rescale(begin)
         for _ in range(MOST_STARTS):
@@ -242,13 +246,34 @@ def _search(problem: OptimizeProblem) -> Ending:
                 least_violation(problem, problem.best_point)
                 if not problem.best.is_feasible:
                     break
-            elif before.is_feasible and not _is_worthwhile(before, problem.best):
-                break
+            elif before.is_feasible and _gain(problem, before) <= max(
+                WORTHWHILE * abs(before.objective), NOTHING * first_slope
+            ):
+                ended = problem.best
+                problem.many(_beside(problem.best_point))
+                if _gain(problem, ended) <= BESIDE * _least_slope(ended, first_slope):
+                    return ending._replace(told=told + ending.told)
             begin = problem.best_point
             problem.rescale(begin)
     except SearchStoppedError as error:
         return Ending(False, str(error))
-    return Ending(ending.converged, f"{told}; {ending.told}" if method == "global" else ending.told)
+    return Ending(False, told + ending.told)
+
+
+def _gain(problem: OptimizeProblem, before: Trial) -> float:
+    """By how much the best is better than one before."""
+    return abs(problem.best.objective - before.objective)
+
+
+def _least_slope(at: Trial, first_slope: float) -> float:
+    """The slope of an objective that is as good as none."""
+    return max(LEAST_SLOPE * first_slope, LEAST_ELASTICITY * abs(at.objective))
+
+
+def _beside(inner: Array) -> list[Array]:
+    """Points a small step away, which tell a maximum or a saddle, where slopes are none too."""
+    steps = BESIDE * np.eye(len(inner))
+    return [*(inner + steps), *(inner - steps)]
 
 
 def _global(problem: OptimizeProblem, begin: Array) -> str:
@@ -256,10 +281,6 @@ def _global(problem: OptimizeProblem, begin: Array) -> str:
         return differential_evolution(problem, begin).told
     except SearchStoppedError as error:
         return f"differential evolution: {error}"
-
-
-def _is_worthwhile(before: Trial, after: Trial) -> bool:
-    return abs(after.objective - before.objective) > WORTHWHILE * abs(before.objective)
 
 
 def _largest_slope(problem: OptimizeProblem, inner: Array) -> float:
@@ -281,9 +302,12 @@ def _report(problem: OptimizeProblem, ending: Ending, first_slope: float) -> Opt
         ending = Ending(False, f"{ending.told}; {error}")
         holds = Stationarity(np.inf, np.zeros(len(problem.limit_rows)), np.zeros(len(inner), int))
     left = holds.left * problem.objective_scale
-    is_flat = left <= max(LEAST_SLOPE * first_slope, LEAST_ELASTICITY * abs(best.objective))
+    is_flat = left <= _least_slope(best, first_slope)
     told = ending.told
-    if ending.converged and not is_flat:
+    if not problem.moves[:, problem.is_objective].any():
+        is_flat = False
+        told += "; no parameter changes the objective"
+    elif ending.converged and not is_flat:
         told += (
             f"; yet a slope of {left:.2g} for the size of a parameter is left, as where the "
             "objective jumps or is noisy"
@@ -308,7 +332,7 @@ def _report(problem: OptimizeProblem, ending: Ending, first_slope: float) -> Opt
         problem.failed,
         problem.failure,
         tuple(problem.trials),
-        tuple(_remarks(problem, inner)),
+        tuple(_remarks(problem)),
         best.warnings,
     )
 
@@ -343,16 +367,14 @@ def _constraints(
     return made
 
 
-def _remarks(problem: OptimizeProblem, inner: Array) -> list[str]:
+def _remarks(problem: OptimizeProblem) -> list[str]:
     made = [
         f"by {name} something switches within the run: differences are taken over 1 % of it"
         for name in problem.uneven
     ]
-    try:
-        slopes = np.vstack([problem.slopes(problem.start), problem.slopes(inner)])
-    except SearchStoppedError:
-        return made
-    for axis, column in zip(problem.axes, slopes.T, strict=True):
-        if not column.any():
-            made.append(f"{axis.name} changes neither the objective nor a constraint")
+    made += [
+        f"{axis.name} changes neither the objective nor a constraint"
+        for axis, moves in zip(problem.axes, problem.moves, strict=True)
+        if not moves.any()
+    ]
     return made

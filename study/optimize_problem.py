@@ -85,6 +85,8 @@ class OptimizeProblem:
         self._rows = np.repeat(np.arange(len(first)), self._lengths)
         self._n_terms = len(first) - len(self.goals.limits)
         self.uneven = self._choose_steps()
+        self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
+        """whether a parameter has moved a number (n, m)"""
         self._keep(self.start, values, results, first)
         slopes = self._raw_slopes(self.start)[self.is_objective]
         size = float(np.abs(slopes).max(initial=0.0))
@@ -274,6 +276,7 @@ class OptimizeProblem:
             if ahead is None or back is None:
                 high, low = (at, low) if ahead is None else (high, at)
             ahead, back = (base if one is None else one for one in (ahead, back))
+            self.moves[len(columns)] |= (ahead != base) | (back != base)
             columns.append((ahead - back) / (high - low) * axis.slope(at))
         return np.array(columns).T
 

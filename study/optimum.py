@@ -99,7 +99,7 @@ class Optimum:
                 f"a limit ({self.ended})"
             )
         if self.converged:
-            return f"optimum: no step from here improves it ({self.ended})"
+            return f"optimum, of points nearby ({self.ended})"
         return f"not known to be an optimum: the search ended before ({self.ended})"
 
     @property
