@@ -2,7 +2,7 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
-from .fit import fit
+from .fit import fit, fit_model
 from .model_fit import FittedParameter, ModelFit
 from .optimize import optimize, optimize_model
 from .optimum import OptimizedConstraint, OptimizedParameter, Optimum
@@ -28,6 +28,7 @@ __all__ = [
     "StudyError",
     "Summary",
     "fit",
+    "fit_model",
     "optimize",
     "optimize_model",
     "read_study",

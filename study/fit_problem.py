@@ -12,7 +12,7 @@ from .errors import StudyError
 from .measured_series import MeasuredSeries
 from .model_fit import FittedParameter, ModelFit
 from .one_model import StudyParameter
-from .outputs import sampled_over
+from .outputs import sampled_over, unit_of
 from .parametrized import Parametrized
 from .runs import runs_at
 from .search_axis import SHIFT_NAME, SearchAxis
@@ -48,6 +48,7 @@ class FitProblem:
         values = {axis.name: axis.begin for axis in self.axes}
         results = simulate(self._family.make(values))
         self._last = values, results
+        self._units = [unit_of(results, one.quantity) for one in self._series]
         low, high = -np.inf, np.inf
         for one in self._series:
             time, _ = self._sampled(results, one)
@@ -119,6 +120,7 @@ class FitProblem:
             found.rank,
             tuple(self._series),
             tuple(fitted),
+            tuple(self._units),
             np.array(rms),
             self.runs,
             converged,

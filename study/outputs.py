@@ -138,6 +138,11 @@ def sampled_over(results: Results, name: str, quantity: str, base: str = "") -> 
     return found
 
 
+def unit_of(results: Results, quantity: str) -> str:
+    """The unit of a quantity, "" of a number."""
+    return _plain(transforms.series(results, quantity).unit)
+
+
 def _named(
     name: str, function: Callable[[Results, str], Any], results: Results, output: str
 ) -> Any:
