@@ -264,7 +264,7 @@ class OptimizeProblem:
             None if isinstance(part := self._vector(at, run), str) else np.concatenate(part)
             for at, run in zip(points, self._runs(points), strict=True)
         ]
-        columns = []
+        columns: list[Array] = []
         for axis, (high, low), ahead, back in zip(
             self.axes, ends, found[::2], found[1::2], strict=True
         ):

@@ -118,6 +118,15 @@ def samples_of(results: Results, output: str) -> Array:
     return _within(asked, found.abscissa, _of_one_number(asked, found))[1]
 
 
+def with_quantity(output: str, change: Callable[[str], str]) -> str:
+    """An output whose quantity is changed; what is no output is a quantity alone."""
+    match = OUTPUT_PATTERN.fullmatch(output)
+    if is_series(output) or match is None:
+        return change(output.strip())
+    start, end = match.span("quantity")
+    return f"{output[:start]}{change(output[start:end])}{output[end:]}"
+
+
 def sampled_over(results: Results, name: str, quantity: str, base: str = "") -> tuple[Array, Array]:
     """The abscissa (n,) and the values (n,) of a quantity of one number; raises as `values`.
 

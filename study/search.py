@@ -65,7 +65,8 @@ class SmoothProblem:
 
     def objective_slope(self, point: Array) -> Array:
         if self.has_level:
-            return np.eye(len(point))[-1]
+            level: Array = np.eye(len(point))[-1]
+            return level
         found: Array = self._slopes(point)[self._objective][0]
         return found
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -92,15 +93,15 @@ def _draw_history(axes: Axes, one: GoalHistory, kept: NDArray[np.bool_], best: i
         (whole & ~kept, MISSED_COLOR, "a limit is missed"),
     ):
         if among.any():
-            look = {"color": color, "markersize": 3.5, "label": label}
+            look: dict[str, Any] = {"color": color, "markersize": 3.5, "label": label}
             axes.plot(number[among], one.values[among] / scale, "o", **look)
     if not whole.all():
         height = np.full(int((~whole).sum()), 0.03)
-        look = {"color": "0.25", "markersize": 4, "label": "run failed"}
+        look: dict[str, Any] = {"color": "0.25", "markersize": 4, "label": "run failed"}
         axes.plot(number[~whole], height, "x", transform=axes.get_xaxis_transform(), **look)
     for end in limits:
         axes.axhline(end / scale, color=LIMIT_COLOR, linestyle="--", linewidth=0.9)
-    look = {"color": COLORS[1], "markersize": 9, "markeredgewidth": 1.5, "label": "chosen"}
+    look: dict[str, Any] = {"color": COLORS[1], "markersize": 9, "markeredgewidth": 1.5, "label": "chosen"}
     axes.plot(number[best], one.values[best] / scale, "o", fillstyle="none", **look)
     axes.set_title(one.label, parse_math=False)
     axes.set_ylabel(with_unit("", UNIT_PREFIXES[exponent], one.unit))

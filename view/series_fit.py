@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -76,7 +77,7 @@ def draw_series_fit(fits: Sequence[SeriesFit], title: str = "") -> Figure:
 def _draw_series(axes: Axes, one: SeriesFit, second: float) -> None:
     values = np.concatenate([one.measured, one.fitted])
     size, prefix = _scale(float(np.abs(values).max(initial=0.0)), one.unit)
-    look = {"color": MEASURED_COLOR, "markersize": 3, "label": "measured"}
+    look: dict[str, Any] = {"color": MEASURED_COLOR, "markersize": 3, "label": "measured"}
     axes.plot(one.time / second, one.measured / size, ".", **look)
     axes.plot(one.time / second, one.fitted / size, color=COLORS[0], label="model")
     axes.set_ylabel(with_unit("", prefix, one.unit))
