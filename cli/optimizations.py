@@ -10,18 +10,25 @@ from ..study import OptimizedConstraint, Optimum
 from ..view import GoalHistory, draw_optimization
 from .tables import table
 
-OUTCOME_COLUMNS = ("", "start", "end", "limit", "multiplier")
+PARAMETER_COLUMNS = ("parameter", "start", "end", "")
+GOAL_COLUMNS = ("", "start", "end", "limit", "multiplier")
 
 
-def optimum_table(title: str, found: Optimum) -> Any:
-    """Parameters, the objective, what has limits, and the other outputs, before and after."""
-    return table(title, OUTCOME_COLUMNS, _rows(found), "tnntn")
+def parameter_table(title: str, found: Optimum) -> Any:
+    """The parameters before and after."""
+    rows = [
+        (one.name, f"{one.start:.6g}", f"{one.value:.8g}", "at a bound" if one.at_bound else "")
+        for one in found.parameters
+    ]
+    return table(title, PARAMETER_COLUMNS, rows, "tnnt")
 
 
-def _rows(found: Optimum) -> Iterator[tuple[str, ...]]:
-    for one in found.parameters:
-        bound = "at a bound" if one.at_bound else ""
-        yield one.name, f"{one.start:.6g}", f"{one.value:.8g}", bound, ""
+def goal_table(found: Optimum) -> Any:
+    """The objective, what has limits, and the other outputs, before and after."""
+    return table("", GOAL_COLUMNS, _goals(found), "tnntn")
+
+
+def _goals(found: Optimum) -> Iterator[tuple[str, ...]]:
     goal = "maximize" if found.maximize else "minimize"
     numbers = _number(found.start, found.unit), _number(found.value, found.unit)
     yield f"{goal} {found.objective}", *numbers, "", ""

@@ -106,7 +106,7 @@ class Goal:
 class Goals:
     """The goals of a search as a vector of numbers: those of the objective, then limits.
 
-    objective, limits: the parts of the vector; each limit has its scale, by which it may be missed.
+    limits: those that the later ones are of, in their order.
     """
 
     def __init__(self, table: OptimizeTable, outputs: Mapping[str, str]) -> None:
@@ -131,10 +131,9 @@ class Goals:
                         f"{goal.key}: {self.outputs[name]!r} moves by jumps, and a search goes by "
                         "slopes"
                     )
-        self.scales: list[float] = []
 
     def begin(self, results: Results, look_up: LookUp) -> None:
-        """See by the first run which peaks are taken by parts, and how large each limit is."""
+        """See by the first run which peaks are taken by parts."""
         known = values(results, self.outputs)
         for n, goal in enumerate(self._goals):
             number = _number(goal, known, look_up)
@@ -147,8 +146,6 @@ class Goals:
                 # Only what grows with its peak is largest where that is.
                 if np.isfinite(parts).all() and parts.max() <= largest:
                     self._goals[n] = Goal(goal.key, goal.text, goal.sign, peak, goal.limit)
-            if goal.limit is not None:
-                self.scales.append(abs(goal.limit.value) or abs(number) or 1.0)
 
     @property
     def limits(self) -> list[Limit]:

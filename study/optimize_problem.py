@@ -22,6 +22,8 @@ FIRST_STEP = 0.25
 """of the first step of a search, over the size of the parameters"""
 CENTRAL = 1e-6
 """of a step, by which the other one about a point may differ"""
+UNEVEN = 1e-3
+"""of the largest slope of a goal, from which scatter is more than rounding"""
 FEASIBLE = 1e-6
 """of a limit, by which it may be missed"""
 
@@ -84,14 +86,23 @@ class OptimizeProblem:
         self._lengths = [len(part) for part in first]
         self._rows = np.repeat(np.arange(len(first)), self._lengths)
         self._n_terms = len(first) - len(self.goals.limits)
-        self.uneven = self._choose_steps()
+        raw = np.concatenate(first)
+        self.uneven = self._choose_steps(raw)
         self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
         """whether a parameter has moved a number (n, m)"""
-        self._keep(self.start, values, results, first)
-        slopes = self._raw_slopes(self.start)[self.is_objective]
-        size = float(np.abs(slopes).max(initial=0.0))
-        raw = np.concatenate(first)[self.is_objective]
+        self._known[self.start.tobytes()] = raw
+        sizes = np.abs(self._raw_slopes(self.start)).max(axis=1)
+        size = float(sizes[self.is_objective].max())
         self._objective_scale = size / FIRST_STEP or float(np.abs(raw).max()) or 1.0
+        # A limit of 0 says nothing of its size, and a start there nothing but its rounding.
+        self.scales = [
+            abs(limit.value)
+            or float(sizes[(rows := self.limit_rows == n)].max())
+            or float(np.abs(raw[rows]).max())
+            or 1.0
+            for n, limit in enumerate(self.goals.limits)
+        ]
+        self._keep(self.start, values, results, first)
         self.units = self.goals.units(results)
 
     @contextmanager
@@ -188,7 +199,7 @@ class OptimizeProblem:
 
     @property
     def _scales(self) -> Array:
-        return self._of_limits(self.goals.scales, self._objective_scale)
+        return self._of_limits(self.scales, self._objective_scale)
 
     def _of_limits(self, values: Sequence[float], objective: float) -> Array:
         """A number of each limit, and one of the objective, for each row."""
@@ -280,8 +291,18 @@ class OptimizeProblem:
             columns.append((ahead - back) / (high - low) * axis.slope(at))
         return np.array(columns).T
 
-    def _choose_steps(self) -> list[str]:
-        """Wide steps of the parameters by which goals switch; their names."""
+    def _choose_steps(self, base: Array) -> list[str]:
+        """Wide steps of the parameters by which goals switch; their names.
+
+        base: the numbers at the start. Of each goal the one that is largest there is looked at.
+        """
+        ends_of_goals = np.cumsum(self._lengths)
+        tops = np.array(
+            [
+                end - length + int(np.argmax(base[end - length : end]))
+                for end, length in zip(ends_of_goals.tolist(), self._lengths, strict=True)
+            ]
+        )
         widths = DIFFERENCE_STEPS
         uneven = []
         points, places = [], []
@@ -294,22 +315,26 @@ class OptimizeProblem:
                     points += [start | {axis.name: high}, start | {axis.name: low}]
                     places.append((i, j, high - low))
         runs = self._runs(points)
-        ends = [self._extremes(at, run) for at, run in zip(points, runs, strict=True)]
+        ends = [self._numbers_at(tops, at, run) for at, run in zip(points, runs, strict=True)]
         differences = np.full((len(self.axes), len(widths), len(self._lengths)), np.nan)
         for (i, j, width), ahead, back in zip(places, ends[::2], ends[1::2], strict=True):
-            differences[i, j] = (ahead - back) / width
-        for i, axis in enumerate(self.axes):
-            if slopes_of(differences[i]).switches.any():
+            differences[i, j] = (
+                (ahead - back) / width * self.axes[i].slope(start[self.axes[i].name])
+            )
+        slopes = [slopes_of(one) for one in differences]
+        # Rounding scatters too, of what hardly moves.
+        sizes = np.nanmax([np.abs(one.value) for one in slopes], axis=0, initial=0.0)
+        for i, (axis, one) in enumerate(zip(self.axes, slopes, strict=True)):
+            if (one.switches & (one.error > UNEVEN * sizes)).any():
                 self._steps[i] = widths[0]
                 uneven.append(axis.name)
         return uneven
 
-    def _extremes(self, values: Mapping[str, float], run: Results | Exception) -> Array:
-        """The largest number of each goal."""
+    def _numbers_at(
+        self, rows: NDArray[np.intp], values: Mapping[str, float], run: Results | Exception
+    ) -> Array:
         found = self._vector(values, run)
-        if isinstance(found, str):
-            return np.full(len(self._lengths), np.nan)
-        return np.array([part.max() for part in found])
+        return np.full(len(rows), np.nan) if isinstance(found, str) else np.concatenate(found)[rows]
 
     def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
         if self.runs + len(points) > self._most_runs and not self.has_ended:

@@ -33,9 +33,12 @@ class VariedMechanism:
         }
         self._keys = {name: one.at for name, one in named.items() if isinstance(one.at, str)}
         self._changes = {name: one.at for name, one in named.items() if callable(one.at)}
-        self._family = of_model(mechanism.model(settings), self._keys)
+        self._first = self._changed({name: _start(name, named[name]) for name in self._changes})
+        self._family = of_model(self._first.model(settings), self._keys)
+        starts = {name: one.start for name, one in named.items() if one.start is not None}
+        starts = {**self._family.values, **starts}
         self.parameters = {
-            name: Parameter("", one.bounds, self._start(name, one), one.logarithmic)
+            name: Parameter("", one.bounds, starts[name], one.logarithmic)
             for name, one in named.items()
         }
 
@@ -43,23 +46,28 @@ class VariedMechanism:
         """The model at values of the parameters."""
         family = self._family
         if self._changes:
-            changed = self._mechanism.copy()
-            for name, change in self._changes.items():
-                change(changed, values[name])
-            family = of_model(changed.model(self._settings), self._keys)
+            family = of_model(self._changed(values).model(self._settings), self._keys)
         return family.make({name: values[name] for name in self._keys})
+
+    def _changed(self, values: Mapping[str, float]) -> "Mechanism":
+        """A copy that the functions have changed; without any the mechanism itself."""
+        if not self._changes:
+            return self._mechanism
+        changed = self._mechanism.copy()
+        for name, change in self._changes.items():
+            change(changed, values[name])
+        return changed
 
     def output(self, text: str) -> str:
         """An output of a study, whose quantity may be named as `Run.plot` takes it."""
-        return with_quantity(text, self._mechanism.quantity)
+        return with_quantity(text, self._first.quantity)
 
     def goal(self, text: str) -> str:
         """The same of what may be an output, or else a name or arithmetic."""
         return text if is_series(text) else self.output(text)
 
-    def _start(self, name: str, parameter: Parameter) -> float:
-        if parameter.start is not None:
-            return parameter.start
-        if name not in self._keys:
-            raise StudyError(f"parameters.{name}: of a function expected a start, found none")
-        return self._family.values[name]
+
+def _start(name: str, parameter: Parameter) -> float:
+    if parameter.start is None:
+        raise StudyError(f"parameters.{name}: of a function expected a start, found none")
+    return parameter.start

@@ -101,7 +101,12 @@ def _draw_history(axes: Axes, one: GoalHistory, kept: NDArray[np.bool_], best: i
         axes.plot(number[~whole], height, "x", transform=axes.get_xaxis_transform(), **look)
     for end in limits:
         axes.axhline(end / scale, color=LIMIT_COLOR, linestyle="--", linewidth=0.9)
-    look: dict[str, Any] = {"color": COLORS[1], "markersize": 9, "markeredgewidth": 1.5, "label": "chosen"}
+    look: dict[str, Any] = {
+        "color": COLORS[1],
+        "markersize": 9,
+        "markeredgewidth": 1.5,
+        "label": "chosen",
+    }
     axes.plot(number[best], one.values[best] / scale, "o", fillstyle="none", **look)
     axes.set_title(one.label, parse_math=False)
     axes.set_ylabel(with_unit("", UNIT_PREFIXES[exponent], one.unit))

@@ -25,7 +25,7 @@ def optimize(study_file: ModelStudy, output: OptimizedModel = None, as_json: Jso
     from rich.console import Console
 
     from ... import files, results, solver, study, superelement, view
-    from ..optimizations import optimum_json, optimum_picture, optimum_table
+    from ..optimizations import goal_table, optimum_json, optimum_picture, parameter_table
 
     target = output or beside(study_file, ".toml", "optimized")
     picture = target.with_suffix(".png")
@@ -34,7 +34,8 @@ def optimize(study_file: ModelStudy, output: OptimizedModel = None, as_json: Jso
         if as_json:
             typer.echo(optimum_json(found))
         else:
-            Console().print(optimum_table(study_file.stem, found))
+            Console().print(parameter_table(study_file.stem, found))
+            Console().print(goal_table(found))
             for note in found.notes:
                 typer.echo(one_line(note))
         view.save(optimum_picture(study_file.stem, found), picture)
