@@ -11,6 +11,7 @@ to FOLDER, by default out/.
 
 import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import duhamel as du
@@ -30,7 +31,7 @@ FORCE, DURATION = 800.0, 2e-3
 """of the blow, a half sine [N, s]"""
 LIMIT = 200e6
 """of the bending stress [Pa]"""
-STEP, T_END = 2e-5, 0.02
+STEP, T_END = 2e-5, 0.012
 MODES_UP_TO = 6000.0
 """[Hz]"""
 BOUNDS = 0.004, 0.03
@@ -84,8 +85,9 @@ def bare_link() -> du.Mechanism:
     return link
 
 
+@lru_cache(maxsize=100)
 def bar(r: float, name: str) -> du.Superelement:
-    points = np.linspace([0.0, 0.0, 0.0], [HALF, 0.0, 0.0], 11)
+    points = np.linspace([0.0, 0.0, 0.0], [HALF, 0.0, 0.0], 7)
     part = du.Beam(points, section=du.Section.circle(STEEL, r), name=name)
     part.interface("start", points[0])
     part.interface("end", points[-1])

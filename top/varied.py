@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from duhamel import solver
 from duhamel.study import Parameter, StudyError
 from duhamel.study.outputs import is_series, with_quantity
-from duhamel.study.parametrized import of_model
+from duhamel.study.parametrized import Parametrized, of_model
 
 if TYPE_CHECKING:
     from .mechanism import Mechanism
@@ -34,7 +34,11 @@ class VariedMechanism:
         self._keys = {name: one.at for name, one in named.items() if isinstance(one.at, str)}
         self._changes = {name: one.at for name, one in named.items() if callable(one.at)}
         self._first = self._changed({name: _start(name, named[name]) for name in self._changes})
-        self._family = of_model(self._first.model(settings), self._keys)
+        # A function of Python may make what no file can hold.
+        first = self._first.model(settings)
+        self._family = (
+            of_model(first, self._keys) if self._keys else Parametrized({}, lambda _: first)
+        )
         starts = {name: one.start for name, one in named.items() if one.start is not None}
         starts = {**self._family.values, **starts}
         self.parameters = {
@@ -44,10 +48,11 @@ class VariedMechanism:
 
     def make(self, **values: float) -> solver.Model:
         """The model at values of the parameters."""
-        family = self._family
-        if self._changes:
-            family = of_model(self._changed(values).model(self._settings), self._keys)
-        return family.make({name: values[name] for name in self._keys})
+        if not self._changes:
+            return self._family.make(values)
+        model = self._changed(values).model(self._settings)
+        at_keys = {name: values[name] for name in self._keys}
+        return of_model(model, self._keys).make(at_keys) if at_keys else model
 
     def _changed(self, values: Mapping[str, float]) -> "Mechanism":
         """A copy that the functions have changed; without any the mechanism itself."""
