@@ -28,7 +28,7 @@ from .optimize_problem import OptimizeProblem, SearchStoppedError, Trial
 from .optimum import OptimizedConstraint, OptimizedParameter, Optimum
 from .parameter import Parameter, family_of
 from .parametrized import Parametrized
-from .search import Ending, differential_evolution, least_violation, slsqp
+from .search import Ending, differential_evolution, slsqp
 from .search_axis import SearchAxis
 from .stationarity import Stationarity, stationarity
 
@@ -243,7 +243,7 @@ def _search(problem: OptimizeProblem, first_slope: float) -> Ending:
             before = problem.best
             ending = slsqp(problem, begin)
             if not problem.best.is_feasible:
-                least_violation(problem, problem.best_point)
+                slsqp(problem, problem.best_point, of_violation=True)
                 if not problem.best.is_feasible:
                     break
             elif before.is_feasible and _gain(problem, before) <= max(

@@ -36,76 +36,77 @@ class SmoothProblem:
 
         minimize F(x)  or  z with F_j(x) <= z      subject to  g(x) <= 0, h(x) = 0
 
-    Points are x, or (x, z) where the objective is the largest of several numbers.
+    Points are x, or (x, z) where the objective is the largest of several numbers. of_violation:
+    minimize z >= 0 with g(x), h(x), -h(x) <= z instead.
     """
 
-    def __init__(self, problem: OptimizeProblem, begin: Array) -> None:
-        self._problem = problem
-        self._objective = problem.is_objective
-        self._below = ~self._objective & ~problem.is_equality
-        self._equal = problem.is_equality
-        self.has_level = int(self._objective.sum()) > 1
+    def __init__(self, problem: OptimizeProblem, begin: Array, of_violation: bool) -> None:
+        self._problem, self._of_violation = problem, of_violation
         first = problem.numbers(begin)
         assert first is not None
         self._last = first
-        level = [first[self._objective].max()] if self.has_level else []
+        terms, below, equal = self._parts(first)
+        self.has_level = of_violation or len(terms) > 1
+        self.has_limits, self.has_equalities = self.has_level or len(below) > 0, len(equal) > 0
+        level = [max(terms.max(), 0.0) if of_violation else terms.max()] if self.has_level else []
         self.begin = np.concatenate([begin, level])
-        free = [-np.inf, np.inf]
+        free = [0.0 if of_violation else -np.inf, np.inf]
         self.bounds = np.vstack([problem.bounds.T, *([free] if self.has_level else [])])
-        self.has_equalities = bool(self._equal.any())
-        self.has_limits = self.has_level or bool(self._below.any())
 
     def inner(self, point: Array) -> Array:
         return point[: len(point) - self.has_level].copy()
 
     def objective(self, point: Array) -> float:
-        numbers, has_failed = self._numbers(point)
-        level = point[-1] if self.has_level else numbers[self._objective][0]
-        return float(level + FAILED * has_failed)
+        terms, _, _ = self._numbers(point)
+        has_failed = self._problem.numbers(self.inner(point)) is None
+        return float((point[-1] if self.has_level else terms[0]) + FAILED * has_failed)
 
     def objective_slope(self, point: Array) -> Array:
-        if self.has_level:
-            level: Array = np.eye(len(point))[-1]
-            return level
-        found: Array = self._slopes(point)[self._objective][0]
-        return found
+        of_level: Array = np.eye(len(point))[-1]
+        return of_level if self.has_level else self._slopes(point)[0][0]
 
     def limits(self, point: Array) -> Array:
         """Not above 0 (m,)."""
-        numbers, _ = self._numbers(point)
-        over = numbers[self._objective] - point[-1] if self.has_level else np.zeros(0)
-        return np.concatenate([over, numbers[self._below]])
+        terms, below, _ = self._numbers(point)
+        return np.concatenate([terms - point[-1], below]) if self.has_level else below
 
     def limit_slopes(self, point: Array) -> Array:
-        slopes = self._slopes(point)
+        terms, below, _ = self._slopes(point)
         if not self.has_level:
-            return slopes[self._below]
-        over = np.column_stack([slopes[self._objective], -np.ones(self._objective.sum())])
-        below = np.column_stack([slopes[self._below], np.zeros(self._below.sum())])
-        return np.vstack([over, below])
+            return below
+        by_level = np.repeat([-1.0, 0.0], [len(terms), len(below)])
+        return np.column_stack([np.vstack([terms, below]), by_level])
 
     def equalities(self, point: Array) -> Array:
-        return self._numbers(point)[0][self._equal]
+        return self._numbers(point)[2]
 
     def equality_slopes(self, point: Array) -> Array:
-        found = self._slopes(point)[self._equal]
-        return np.column_stack([found, np.zeros(len(found))]) if self.has_level else found
+        equal = self._slopes(point)[2]
+        return np.column_stack([equal, np.zeros(len(equal))]) if self.has_level else equal
 
-    def _numbers(self, point: Array) -> tuple[Array, bool]:
-        found = self._problem.numbers(self.inner(point))
-        if found is not None:
+    def _numbers(self, point: Array) -> tuple[Array, Array, Array]:
+        """Those of the last run that did not fail, where one does."""
+        if (found := self._problem.numbers(self.inner(point))) is not None:
             self._last = found
-        return self._last, found is None
+        return self._parts(self._last)
 
-    def _slopes(self, point: Array) -> Array:
-        return self._problem.slopes(self.inner(point))
+    def _slopes(self, point: Array) -> tuple[Array, Array, Array]:
+        return self._parts(self._problem.slopes(self.inner(point)))
+
+    def _parts(self, rows: Array) -> tuple[Array, Array, Array]:
+        """What is minimized, limits and equalities, of numbers or of their slopes."""
+        is_objective, is_equality = self._problem.is_objective, self._problem.is_equality
+        below, equal = rows[~is_objective & ~is_equality], rows[is_equality]
+        if self._of_violation:
+            return np.concatenate([below, equal, -equal]), rows[:0], rows[:0]
+        return rows[is_objective], below, equal
 
 
-def slsqp(problem: OptimizeProblem, begin: Array) -> Ending:
-    """Sequential quadratic programming."""
+def slsqp(problem: OptimizeProblem, begin: Array, of_violation: bool = False) -> Ending:
+    """Sequential quadratic programming; of_violation: go where the largest miss is least."""
     from scipy.optimize import Bounds, minimize
 
-    smooth = SmoothProblem(problem, begin)
+    smooth = SmoothProblem(problem, begin, of_violation)
     constraints: list[Any] = []
     if smooth.has_limits:
         constraints.append(
@@ -165,33 +166,6 @@ def differential_evolution(problem: OptimizeProblem, begin: Array) -> Ending:
         x0=begin,
     )
     return Ending(False, f"differential evolution: {found.message}")
-
-
-def least_violation(problem: OptimizeProblem, begin: Array) -> None:
-    """Go where limits are missed least, in the sense of least squares."""
-    from scipy.optimize import least_squares
-
-    rows, equal = ~problem.is_objective, problem.is_equality[~problem.is_objective]
-
-    def missed(point: Array) -> Array:
-        numbers = problem.numbers(point)
-        if numbers is None:
-            return np.full(int(rows.sum()), np.inf)
-        return np.where(equal, numbers[rows], np.maximum(numbers[rows], 0.0))
-
-    def slopes(point: Array) -> Array:
-        found = problem.slopes(point)[rows]
-        return np.where((equal | (missed(point) > 0.0))[:, None], found, 0.0)
-
-    low, high = problem.bounds
-    margin = 1e-9 * np.where(np.isfinite(high - low), high - low, 0.0)
-    least_squares(
-        missed,
-        np.clip(begin, low + margin, high - margin),
-        slopes,
-        (low, high),
-        max_nfev=MOST_ITERATIONS,
-    )
 
 
 def _columns(points: Array) -> list[Array]:

@@ -119,7 +119,7 @@ def test_an_optimum_at_a_bound_is_told_and_bounds_are_kept():
     assert found.converged
     assert found.values["v"] == 10.0
     assert "v is at a bound, 10" in found.notes
-    assert 0.0 <= min(seen)
+    assert min(seen) >= 0.0
     assert max(seen) <= 10.0
 
 
@@ -159,7 +159,7 @@ def test_runs_that_fail_on_more_than_half_of_the_box(method):
     def makes(p):
         if p > 3.0:
             raise ModelError("too fast")
-        return level((p - 2.9) ** 2)
+        return level(np.hypot(1.0, 3.0 * (p - 2.9)))
 
     found = optimize_model(makes, {"p": between(0.0, 10.0, 0.5)}, minimize=HEIGHT, method=method)
     assert found.converged
@@ -214,19 +214,19 @@ def test_only_a_global_search_finds_the_lower_of_two_valleys():
 
 
 def test_what_cannot_be_kept_is_told_with_the_least_miss():
-    """v - 5 >= 3 and v <= 7, by least squares of what is missed of each."""
+    """v - 5 >= 3 and v <= 7, missed by the same part of each: (8 - v) / 3 = (v - 7) / 7."""
     found = optimize_model(
         lambda v: ball(v=v),
         {"v": between(0.0, 10.0, 1.0)},
         minimize="v",
         constraints={HEIGHT: (3.0, None), "v": (None, 7.0)},
     )
-    v = (8.0 / 9.0 + 7.0 / 49.0) / (1.0 / 9.0 + 1.0 / 49.0)
+    v = 7.7
     assert not found.converged
     assert not found.is_feasible
     assert found.values["v"] == pytest.approx(v, rel=1e-4)
     assert found.violation == pytest.approx((8.0 - v) / 3.0, rel=1e-3)
-    assert found.state.startswith("no point within all limits was found: the least miss is 0.11")
+    assert found.state.startswith("no point within all limits was found: the least miss is 0.1 of")
     assert f"v is {v:.6g}: max = 7 is missed" in found.notes
 
 
@@ -392,10 +392,11 @@ def test_no_input_is_replaced_and_a_search_that_fails_writes_nothing(bench):
     assert {path.name for path in bench.iterdir()} == before
 
 
-def test_an_end_without_an_optimum_has_an_exit_code_of_its_own(bench):
+def test_an_end_without_an_optimum_is_a_failure_of_the_command(bench):
+    """m 5^2 / 2 is the least of the largest energies: (12.5 m - 50) / 50 = (20 - m) / 20."""
     text = STUDY.replace("min = 0.5", "min = 20")
     (bench / "study.toml").write_text(text)
     shown = CliRunner().invoke(app, ["optimize", str(bench / "study.toml")])
     assert shown.exit_code == 1
     assert "no point within all limits was found" in shown.output
-    assert "m is 10" in shown.output
+    assert "m is 6.66667: min = 20 is missed" in shown.output
