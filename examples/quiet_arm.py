@@ -3,9 +3,9 @@
     python examples/quiet_arm.py [FOLDER]
 
 Optimizes the points of examples/arm_move.toml's acceleration as examples/quiet_arm.toml asks for,
-and runs both motions. What is left of the vibration is compared with before. A motion leaves a mode
-at rest if its acceleration has nothing at that frequency: that holds for the first mode, and what is
-left is the second one. Writes the optimized model and a picture to FOLDER, by default out/.
+and runs both motions. What is left of the vibration is compared with before. A motion leaves a
+mode at rest if its acceleration has nothing at that frequency: that holds for the first mode, and
+what is left is the second one. Writes the optimized model and a picture to FOLDER, by default out/.
 """
 
 import sys

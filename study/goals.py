@@ -2,9 +2,9 @@
 
 A goal is an output, or arithmetic of outputs, parameters and keys. The largest value of a motion
 has a kink wherever another peak becomes the largest. A goal that must stay below a limit, or become
-small, and grows with such a peak is therefore taken once for each of many parts of the time: each
-part must stay below the limit, and each moves smoothly. A peak between samples is that of the
-parabola through three of them.
+small, and grows with such a peak is therefore taken at each sample instead: each must stay below
+the limit, and each moves smoothly. Of long runs it is taken once for each of many parts of the
+time.
 
 Source: docs/theory.md, Optimization.
 """
@@ -31,7 +31,7 @@ from .outputs import (
     values,
 )
 
-MOST_PARTS = 100
+MOST_PARTS = 1000
 """of the time; more samples than that share a part with their neighbors"""
 DEFAULT_RUNS = 1000
 
@@ -140,11 +140,9 @@ class Goals:
             if not np.isfinite(number):
                 raise StudyError(f"{goal.key}: {goal.text!r} has no number at the start")
             if (peak := self._peak_of(goal)) and not (goal.limit and goal.limit.is_equality):
-                at_peak = {**known, peak: _peak(results, self.outputs[peak])}
                 parts = goal.sign * self._parts(goal, peak, results, known, look_up)
-                largest = goal.sign * _number(goal, at_peak, look_up)
                 # Only what grows with its peak is largest where that is.
-                if np.isfinite(parts).all() and parts.max() <= largest:
+                if np.isfinite(parts).all() and parts.max() <= goal.sign * number:
                     self._goals[n] = Goal(goal.key, goal.text, goal.sign, peak, goal.limit)
 
     @property
@@ -213,32 +211,19 @@ class Goals:
         look_up: LookUp,
     ) -> Array:
         """A goal by the peak of each part of the time."""
-        parts = peaks_by_parts(results, self.outputs[peak]).tolist()
-        return np.array([_number(goal, {**known, peak: part}, look_up) for part in parts])
+        parts = peaks_by_parts(results, self.outputs[peak])
+        if goal.text == peak:
+            return parts
+        return np.array([_number(goal, {**known, peak: one}, look_up) for one in parts.tolist()])
 
 
 def peaks_by_parts(results: Results, output: str) -> Array:
-    """The largest values in parts of the time, or the least of `min` (k,).
-
-    The vertex of a parabola where a sample is above both its neighbors.
-    """
+    """The largest samples in parts of the time, or the least of `min` (k,)."""
     samples = samples_of(results, output)
-    sign = -1.0 if reduction_of(output) == "min" else 1.0
-    y = sign * samples
-    smooth = y.copy()
-    before, at, after = y[:-2], y[1:-1], y[2:]
-    tops = (at >= before) & (at >= after) & (at + at > before + after)
-    bend = np.where(tops, before - 2.0 * at + after, 1.0)
-    smooth[1:-1] = np.where(tops, at - (before - after) ** 2 / (8.0 * bend), at)
-    parts = min(len(y), MOST_PARTS)
-    first = np.linspace(0, len(y), parts, endpoint=False).astype(int)
-    found: Array = sign * np.maximum.reduceat(smooth, first)
+    first = np.linspace(0, len(samples), min(len(samples), MOST_PARTS), endpoint=False).astype(int)
+    extreme = np.minimum if reduction_of(output) == "min" else np.maximum
+    found: Array = extreme.reduceat(samples, first)
     return found
-
-
-def _peak(results: Results, output: str) -> float:
-    parts = peaks_by_parts(results, output)
-    return float(parts.min() if reduction_of(output) == "min" else parts.max())
 
 
 def _number(goal: Goal, known: Mapping[str, float], look_up: LookUp) -> float:
