@@ -33,8 +33,6 @@ FORCE, DURATION = 800.0, 2e-3
 LIMIT = 200e6
 """of the bending stress [Pa]"""
 STEP, T_END = 2e-5, 0.012
-MODES_UP_TO = 6000.0
-"""[Hz]"""
 BOUNDS = 0.004, 0.03
 """of the radii [m]"""
 START = 0.012
@@ -97,7 +95,7 @@ def bar(r: float, name: str) -> du.Superelement:
     part.interface("start", points[0])
     part.interface("end", points[-1])
     part.damping(modal=0.01)
-    return part.superelement(step=STEP, duration=T_END, band=MODES_UP_TO)
+    return part.superelement(step=STEP, duration=T_END)
 
 
 def inner(link: du.Mechanism, r: float) -> None:

@@ -10,7 +10,8 @@ Source: docs/theory.md, Optimization.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -139,11 +140,15 @@ class Goals:
             number = _number(goal, known, look_up)
             if not np.isfinite(number):
                 raise StudyError(f"{goal.key}: {goal.text!r} has no number at the start")
-            if (peak := self._peak_of(goal)) and not (goal.limit and goal.limit.is_equality):
+            peak = self._peak_of(goal)
+            if not peak or (goal.limit and goal.limit.is_equality):
+                continue
+            # Arithmetic may have no number at samples that are no peaks.
+            with suppress(StudyError):
                 parts = goal.sign * self._parts(goal, peak, results, known, look_up)
                 # Only what grows with its peak is largest where that is.
-                if np.isfinite(parts).all() and parts.max() <= goal.sign * number:
-                    self._goals[n] = Goal(goal.key, goal.text, goal.sign, peak, goal.limit)
+                if parts.max() <= goal.sign * number:
+                    self._goals[n] = replace(goal, peak=peak)
 
     @property
     def limits(self) -> list[Limit]:

@@ -245,7 +245,7 @@ class OptimizeProblem:
             return str(run) or type(run).__name__
         try:
             found = self.goals.numbers(run, self._family.look_up(values))
-        except SeriesError as error:
+        except (SeriesError, StudyError) as error:  # as a division by 0 that the start had not
             return str(error)
         if not all(np.isfinite(part).all() for part in found):
             return "an output has no number"

@@ -253,7 +253,7 @@ def test_a_peak_is_taken_at_each_sample_or_in_parts_of_long_runs():
     parts = peaks_by_parts(long, "max position:ball:z")
     assert len(parts) == MOST_PARTS
     assert parts.max() == values(long, {"z": "max position:ball:z"})["z"]
-    assert parts[-1] == long.body("ball").position[-5:, 2].max()
+    assert parts[-1] == long.body("ball").position[-6:, 2].max()
 
 
 def test_arithmetic_that_falls_with_its_peak_is_taken_as_one_number():
