@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +15,8 @@ from .styles import COLORS
 
 CONSTRAINT_HEIGHT = 0.7
 """over that of the objective"""
+FAILED_HEIGHT = 0.03
+"""over that of the panel"""
 MISSED_COLOR, LIMIT_COLOR = "0.6", "0.3"
 ROBUST_SHARE = 95.0
 """per cent of the points that are shown; others lie far off, and above or below the panel"""
@@ -93,21 +94,24 @@ def _draw_history(axes: Axes, one: GoalHistory, kept: NDArray[np.bool_], best: i
         (whole & ~kept, MISSED_COLOR, "a limit is missed"),
     ):
         if among.any():
-            look: dict[str, Any] = {"color": color, "markersize": 3.5, "label": label}
-            axes.plot(number[among], one.values[among] / scale, "o", **look)
+            y = one.values[among] / scale
+            axes.plot(number[among], y, "o", color=color, markersize=3.5, label=label)
     if not whole.all():
-        height = np.full(int((~whole).sum()), 0.03)
-        look: dict[str, Any] = {"color": "0.25", "markersize": 4, "label": "run failed"}
-        axes.plot(number[~whole], height, "x", transform=axes.get_xaxis_transform(), **look)
+        height = np.full(int((~whole).sum()), FAILED_HEIGHT)
+        edge = axes.get_xaxis_transform()
+        axes.plot(number[~whole], height, "x", color="0.25", transform=edge, label="run failed")
     for end in limits:
         axes.axhline(end / scale, color=LIMIT_COLOR, linestyle="--", linewidth=0.9)
-    look: dict[str, Any] = {
-        "color": COLORS[1],
-        "markersize": 9,
-        "markeredgewidth": 1.5,
-        "label": "chosen",
-    }
-    axes.plot(number[best], one.values[best] / scale, "o", fillstyle="none", **look)
+    axes.plot(
+        number[best],
+        one.values[best] / scale,
+        "o",
+        color=COLORS[1],
+        fillstyle="none",
+        markersize=9,
+        markeredgewidth=1.5,
+        label="chosen",
+    )
     axes.set_title(one.label, parse_math=False)
     axes.set_ylabel(with_unit("", UNIT_PREFIXES[exponent], one.unit))
     axes.margins(x=0.02)
