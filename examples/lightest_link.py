@@ -143,12 +143,12 @@ def picture(found: Links) -> Figure:
             for axes, joint, r in zip((root, middle), ("root", "middle"), radii, strict=True):
                 moment = np.linalg.norm(run[joint].moment, axis=1)
                 stress = 4.0 * moment / (np.pi * r**3)
-                label = f"{name}, {1e3 * r:.2f} mm"
+                label = f"{name},\n{1e3 * r:.2f} mm"
                 axes.plot(1e3 * run.time, 1e-6 * stress, color=color, label=label, linewidth=1.0)
         for axes, title in ((root, "at the root"), (middle, "where the bars meet")):
             axes.axhline(1e-6 * LIMIT, color="0.3", linestyle="--", linewidth=0.9)
             axes.set(title=f"bending stress {title}", ylabel="[MPa]")
-            axes.legend(loc="upper right")
+            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         middle.set_xlabel("time [ms]")
     view.entitle(figure, "A link of least mass that bears a blow")
     return figure
