@@ -350,9 +350,7 @@ def _constraints(
         for k, limit in enumerate(limits):
             if limit.constraint == n:
                 of_rows = holds.multipliers[problem.limit_rows == k].sum()
-                scaled = float(of_rows) * problem.objective_scale / problem.scales[k]
-                # An equality counts upward: it has no side on which it gives way.
-                multiplier += scaled
+                multiplier += float(of_rows) * problem.objective_scale / problem.scales[k]
         made.append(
             OptimizedConstraint(
                 table.output,

@@ -17,6 +17,7 @@ from .goals import Goals
 from .parametrized import Parametrized
 from .runs import runs_at
 from .search_axis import JACOBIAN_STEP, SearchAxis
+from .simulation import Simulation
 
 FIRST_STEP = 0.25
 """of the first step of a search, over the size of the parameters"""
@@ -77,7 +78,10 @@ class OptimizeProblem:
     def begin(self) -> None:
         """Make the run at the start, and choose steps of differences; `StudyError` without it."""
         values = self.values(self.start)
-        results = simulate(self._family.make(values))
+        try:
+            results = simulate(self._family.make(values))
+        except Simulation().failures as error:
+            raise StudyError(f"the model does not run at the start: {error}") from error
         self.runs += 1
         self.goals.begin(results, self._family.look_up(values))
         first = self._vector(values, results)
@@ -323,7 +327,7 @@ class OptimizeProblem:
             )
         slopes = [slopes_of(one) for one in differences]
         # Rounding scatters too, of what hardly moves.
-        sizes = np.nanmax([np.abs(one.value) for one in slopes], axis=0, initial=0.0)
+        sizes = np.max([np.nan_to_num(np.abs(one.value)) for one in slopes], axis=0)
         for i, (axis, one) in enumerate(zip(self.axes, slopes, strict=True)):
             if (one.switches & (one.error > UNEVEN * sizes)).any():
                 self._steps[i] = widths[0]

@@ -328,6 +328,16 @@ def test_starts_outside_of_bounds_are_refused():
         optimize_model(lambda v: ball(v=v), {"v": between(2.0, 3.0, 1.0)}, minimize="v")
 
 
+def test_a_start_at_a_bound_and_one_that_does_not_run():
+    found = optimize_model(lambda v: ball(v=v), {"v": between(2.0, 9.0, 9.0)}, minimize=HEIGHT)
+    assert found.converged
+    assert found.values["v"] == 2.0
+    with pytest.raises(StudyError, match=r"does not run at the start: .*mass"):
+        optimize_model(
+            lambda mass: ball(mass=mass), {"mass": Parameter(start=-1.0)}, minimize="mass"
+        )
+
+
 def test_a_global_search_takes_bounds():
     with pytest.raises(StudyError, match=r"parameters.v: a global search takes bounds"):
         optimize_model(
