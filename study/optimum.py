@@ -11,7 +11,10 @@ ACTIVE = 1e-3
 
 @dataclass(frozen=True)
 class OptimizedParameter:
-    """A parameter of a search: start and value; at_bound: whether its range keeps it there."""
+    """A parameter of a search, see `optimize` for an example.
+
+    start, value: of it; at_bound: whether its range keeps it there.
+    """
 
     name: str
     start: float
