@@ -34,11 +34,11 @@ from .stationarity import Stationarity, stationarity
 
 MOST_STARTS = 4
 """of a local search, each from where the last one ended"""
-WORTHWHILE = 1e-4
+WORTHWHILE_GAIN = 1e-4
 """improvement over the size of the objective, for which a search is begun again"""
-BESIDE = 1e-2
+NEIGHBOR_STEP = 1e-2
 """of the size of a parameter, to points beside an optimum, none of which may be better"""
-NOTHING = 1e-9
+NEGLIGIBLE_GAIN = 1e-9
 """of the first slope, below which an objective that falls to 0 has no more worth"""
 LEAST_SLOPE = 1e-2
 """of the first slope, below which it counts as none"""
@@ -247,11 +247,11 @@ def _search(problem: OptimizeProblem, first_slope: float) -> Ending:
                 if not problem.best.is_feasible:
                     break
             elif before.is_feasible and _gain(problem, before) <= max(
-                WORTHWHILE * abs(before.objective), NOTHING * first_slope
+                WORTHWHILE_GAIN * abs(before.objective), NEGLIGIBLE_GAIN * first_slope
             ):
                 ended = problem.best
                 problem.many(_beside(problem.best_point))
-                if _gain(problem, ended) <= BESIDE * _least_slope(ended, first_slope):
+                if _gain(problem, ended) <= NEIGHBOR_STEP * _least_slope(ended, first_slope):
                     return ending._replace(told=told + ending.told)
             begin = problem.best_point
             problem.rescale(begin)
@@ -272,7 +272,7 @@ def _least_slope(at: Trial, first_slope: float) -> float:
 
 def _beside(inner: Array) -> list[Array]:
     """Points a small step away, which tell a maximum or a saddle, where slopes are none too."""
-    steps = BESIDE * np.eye(len(inner))
+    steps = NEIGHBOR_STEP * np.eye(len(inner))
     return [*(inner + steps), *(inner - steps)]
 
 

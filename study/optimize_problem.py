@@ -21,11 +21,11 @@ from .simulation import Simulation
 
 FIRST_STEP = 0.25
 """of the first step of a search, over the size of the parameters"""
-CENTRAL = 1e-6
+STEP_ASYMMETRY = 1e-6
 """of a step, by which the other one about a point may differ"""
-UNEVEN = 1e-3
+UNEVEN_SHARE = 1e-3
 """of the largest slope of a goal, from which scatter is more than rounding"""
-FEASIBLE = 1e-6
+LARGEST_MISS = 1e-6
 """of a limit, by which it may be missed"""
 
 
@@ -49,7 +49,7 @@ class Trial(NamedTuple):
 
     @property
     def is_feasible(self) -> bool:
-        return self.violation <= FEASIBLE
+        return self.violation <= LARGEST_MISS
 
 
 class OptimizeProblem:
@@ -315,7 +315,7 @@ class OptimizeProblem:
             for j, width in enumerate(widths.tolist()):
                 high, low = axis.ends(axis.start, width)
                 # Cut off at a bound they would not be central, and seem uneven.
-                if np.isclose(high - axis.start, axis.start - low, rtol=CENTRAL):
+                if np.isclose(high - axis.start, axis.start - low, rtol=STEP_ASYMMETRY):
                     points += [start | {axis.name: high}, start | {axis.name: low}]
                     places.append((i, j, high - low))
         runs = self._runs(points)
@@ -329,7 +329,7 @@ class OptimizeProblem:
         # Rounding scatters too, of what hardly moves.
         sizes = np.max([np.nan_to_num(np.abs(one.value)) for one in slopes], axis=0)
         for i, (axis, one) in enumerate(zip(self.axes, slopes, strict=True)):
-            if (one.switches & (one.error > UNEVEN * sizes)).any():
+            if (one.switches & (one.error > UNEVEN_SHARE * sizes)).any():
                 self._steps[i] = widths[0]
                 uneven.append(axis.name)
         return uneven

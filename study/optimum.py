@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from .optimize_problem import FEASIBLE, Trial
+from .optimize_problem import LARGEST_MISS, Trial
 
-ACTIVE = 1e-3
+ACTIVE_MARGIN = 1e-3
 """of a limit, from which a constraint is as tight as it may be"""
 
 
@@ -43,13 +43,13 @@ class OptimizedConstraint:
     def is_missed(self) -> bool:
         """Whether it is beyond a limit, by more than rounding."""
         over = max(self.value - self.high, self.low - self.value)
-        return over > FEASIBLE * (abs(self.high if self.value > self.high else self.low) or 1.0)
+        return over > LARGEST_MISS * (abs(self.high if self.value > self.high else self.low) or 1.0)
 
     @property
     def is_active(self) -> bool:
         """Whether it is at a limit."""
         ends = [end for end in (self.low, self.high) if abs(end) < float("inf")]
-        return any(abs(self.value - end) <= ACTIVE * (abs(end) or 1.0) for end in ends)
+        return any(abs(self.value - end) <= ACTIVE_MARGIN * (abs(end) or 1.0) for end in ends)
 
 
 @dataclass(frozen=True, eq=False)

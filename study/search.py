@@ -11,7 +11,7 @@ import numpy as np
 from ..files.arrays import Array
 from .optimize_problem import FIRST_STEP, OptimizeProblem
 
-FAILED = 1e3
+FAILURE_PENALTY = 1e3
 """the objective of a run that failed, in sizes of a first step, above the last one"""
 CLOSE_ENOUGH = 1e-7
 """of the objective in its scale, at which a search ends"""
@@ -59,7 +59,7 @@ class SmoothProblem:
     def objective(self, point: Array) -> float:
         terms, _, _ = self._numbers(point)
         has_failed = self._problem.numbers(self.inner(point)) is None
-        return float((point[-1] if self.has_level else terms[0]) + FAILED * has_failed)
+        return float((point[-1] if self.has_level else terms[0]) + FAILURE_PENALTY * has_failed)
 
     def objective_slope(self, point: Array) -> Array:
         of_level: Array = np.eye(len(point))[-1]
@@ -143,7 +143,7 @@ def differential_evolution(problem: OptimizeProblem, begin: Array) -> Ending:
 
     def misses(points: Array) -> Array:
         found = problem.many(_columns(points))
-        return np.array([[FAILED if one is None else missed(one) for one in found]])
+        return np.array([[FAILURE_PENALTY if one is None else missed(one) for one in found]])
 
     def missed(numbers: Array) -> float:
         equal = np.maximum(np.abs(numbers[is_equality]) - EQUALITY_BAND, 0.0)

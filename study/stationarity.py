@@ -19,7 +19,7 @@ from .optimize_problem import OptimizeProblem
 
 ACTIVE_ROW = 1e-3
 """of the scale of a number, from which it is as large as it may be"""
-WEIGHT = 30.0
+SUM_WEIGHT = 30.0
 """of the sum of w against the slopes"""
 
 
@@ -51,8 +51,10 @@ def stationarity(problem: OptimizeProblem, inner: Array) -> Stationarity:
     columns = np.vstack([terms, limits, equal, -equal, at_bounds]).T
     size = float(np.abs(terms).max(initial=0.0)) or 1.0
     weights = np.zeros(columns.shape[1])
-    weights[: len(terms)] = WEIGHT * size
-    found, _ = nnls(np.vstack([columns, weights]), np.append(np.zeros(len(inner)), WEIGHT * size))
+    weights[: len(terms)] = SUM_WEIGHT * size
+    found, _ = nnls(
+        np.vstack([columns, weights]), np.append(np.zeros(len(inner)), SUM_WEIGHT * size)
+    )
     found /= found[: len(terms)].sum() or 1.0
     multipliers = np.zeros(len(numbers))
     first = len(terms)

@@ -73,7 +73,7 @@ def test_the_package_that_all_are_in_imports_the_commands_to_run_them_alone():
     packages = {*PACKAGES} - {"study", "robots", "cli"}
     # a part is drawn as the dry run draws it; a mechanism is fitted and optimized as studies are
     commands = {"__main__": {"cli"}, "parts": {*packages, "cli"}}
-    commands |= dict.fromkeys(("mechanism", "varied", "__init__"), {*packages, "study"})
+    commands |= {key: {*packages, "study"} for key in ("mechanism", "varied", "__init__")}
     for module, tree in modules("top").items():
         found = {target[0] for target in imported(module, tree)} & {*PACKAGES}
         assert found <= commands.get(module[-1], packages), module
