@@ -16,7 +16,7 @@ FAILURE_PENALTY = 1e3
 CLOSE_ENOUGH = 1e-7
 """of the objective in its scale, at which a search ends"""
 MOST_ITERATIONS = 200
-POPULATION = 8
+POPULATION_SHARE = 8
 """of a global search, for each parameter"""
 GLOBAL_TOLERANCE = 0.02
 """of the spread of a population over its mean, at which it has drawn together"""
@@ -154,7 +154,7 @@ def differential_evolution(problem: OptimizeProblem, begin: Array) -> Ending:
     found = evolve(
         objectives,
         Bounds(*problem.bounds),
-        popsize=POPULATION,
+        popsize=POPULATION_SHARE,
         tol=GLOBAL_TOLERANCE,
         atol=GLOBAL_TOLERANCE * FIRST_STEP,
         rng=np.random.default_rng(problem.goals.table.seed),
