@@ -48,7 +48,6 @@ class FitProblem:
         values = {axis.name: axis.begin for axis in self.axes}
         results = simulate(self._family.make(values))
         self._last = values, results
-        self._units = [unit_of(results, one.quantity) for one in self._series]
         low, high = -np.inf, np.inf
         for one in self._series:
             time, _ = self._sampled(results, one)
@@ -59,6 +58,7 @@ class FitProblem:
                     f"and the run goes from {time[0]:.6g} s to {time[-1]:.6g} s"
                 )
             low, high = max(low, one.time[-1] - end), min(high, one.time[0] - time[0])
+        self._units = [unit_of(results, one.quantity) for one in self._series]
         if not shift:
             return
         # Beyond, samples would have nothing to be compared with.
