@@ -24,7 +24,10 @@ def fit_table(title: str, found: ModelFit) -> Any:
 
 
 def fit_picture(title: str, found: ModelFit) -> Any:
-    pairs = zip(found.series, found.fitted, strict=True)
     return draw_series_fit(
-        [SeriesFit(one.quantity, one.time, one.values, fitted) for one, fitted in pairs], title
+        [
+            SeriesFit(one.quantity, one.time, one.values, fitted, unit, one.sigma)
+            for one, fitted, unit in zip(found.series, found.fitted, found.units, strict=True)
+        ],
+        title,
     )

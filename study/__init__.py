@@ -2,8 +2,11 @@
 
 from .case import Case
 from .errors import ClusterError, StudyError
-from .fit import fit
+from .fit import fit, fit_model
 from .model_fit import FittedParameter, ModelFit
+from .optimize import optimize, optimize_model
+from .optimum import OptimizedConstraint, OptimizedParameter, Optimum
+from .parameter import Parameter
 from .sensitivity import Sensitivities, SeriesDerivative, sensitivities, sensitivities_of
 from .study_file import Study, read_study, study_schema
 from .summary import Row, Summary, read_summary
@@ -14,6 +17,10 @@ __all__ = [
     "ClusterError",
     "FittedParameter",
     "ModelFit",
+    "OptimizedConstraint",
+    "OptimizedParameter",
+    "Optimum",
+    "Parameter",
     "Row",
     "Sensitivities",
     "SeriesDerivative",
@@ -21,6 +28,9 @@ __all__ = [
     "StudyError",
     "Summary",
     "fit",
+    "fit_model",
+    "optimize",
+    "optimize_model",
     "read_study",
     "read_summary",
     "sensitivities",

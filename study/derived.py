@@ -103,9 +103,9 @@ class Derivation:
     def _value(self, part: Any) -> Any:
         if isinstance(part, list):
             return [self._value(entry) for entry in part]
-        return evaluate(part, self._look_up) if isinstance(part, str) else part
+        return evaluate(part, self.look_up) if isinstance(part, str) else part
 
-    def _look_up(self, asked: str) -> Any:
+    def look_up(self, asked: str) -> Any:
         """The value of a name or a key, after what it is made of."""
         # A definition that needs one that has begun, and is not done, is a cycle.
         for key in self.begun[:-1]:

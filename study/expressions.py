@@ -8,6 +8,7 @@ import math
 import operator
 import warnings
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Any
 
 from ..inputs import quoted
@@ -83,6 +84,15 @@ def names_in(text: str) -> Iterator[str]:
             yield node.id
 
 
+def arguments_of(text: str, function: str) -> list[str]:
+    """The arguments of a call of a function, where an expression is that alone; else the whole."""
+    tree = _parsed(text)
+    if isinstance(tree, ast.Call) and _key(tree.func) == function and not tree.keywords:
+        return [ast.unparse(argument) for argument in tree.args]
+    return [text]
+
+
+@lru_cache(maxsize=1000)
 def _parsed(text: str) -> ast.expr:
     if len(text) > MAX_EXPRESSION_LENGTH:
         raise StudyError(f"expected at most {MAX_EXPRESSION_LENGTH} characters, found {len(text)}")

@@ -11,17 +11,21 @@ Source: docs/theory.md, Fits.
 """
 
 import os
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..files import renamed_when_whole, require_no_input
-from ..inputs import toml_of
+from ..files import require_no_input
+from ..solver import Model
 from .errors import StudyError
 from .fit_problem import FitProblem
-from .measured_series import read_series
+from .measured_series import MeasuredSeries, check_times, read_series
 from .model_fit import ModelFit
-from .one_model import StudyOfOneModel, read_study_of_one_model
+from .one_model import StudyOfOneModel, StudyParameter, read_study_of_one_model
+from .parameter import Parameter, family_of
+from .parametrized import Parametrized
 from .search_axis import SHIFT_NAME, SearchAxis
 
 MOST_SEARCH_STEPS = 50
@@ -73,15 +77,81 @@ def fit(path: str | os.PathLike[str], output: str | os.PathLike[str] | None = No
     """
     study = read_study_of_one_model(path)
     try:
-        return _fitted(study, None if output is None else Path(output).absolute())
+        return _of_study(study, None if output is None else Path(output).absolute())
     except StudyError as error:
         raise StudyError(f"{study.path}: {error}") from error
 
 
-def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
-    # Import here: takes a second, and no other study needs it.
-    from scipy.optimize import least_squares
+def fit_model(
+    model: Model | Callable[..., Model],
+    parameters: Mapping[str, str | Parameter],
+    series: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    *,
+    sigma: float | Mapping[str, float] | None = None,
+    shift: bool = False,
+) -> ModelFit:
+    """Fit parameters of a model in memory, or of a function that makes one, to measured series.
 
+    Parameters
+    ----------
+    model : Model or callable
+        Or a function that makes it, with the parameters as keywords.
+    parameters : mapping of Parameter
+        By names of your own; a text is the key of a parameter without bounds.
+    series : mapping of (time, values)
+        By the quantity of the run that each is compared with: times [s] and values (n,).
+    sigma : float or mapping of float, optional
+        The standard deviation of the noise, of all series or by quantity.
+    shift : bool
+        Whether the time of all series may be shifted.
+
+    Returns
+    -------
+    ModelFit
+
+    Raises
+    ------
+    StudyError
+        Names the argument; also where the model does not run at the start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from duhamel.solver import Model, RigidBody, Settings
+    >>> from duhamel.study import fit_model
+    >>> ball = RigidBody(2.0, [0.1] * 3)
+    >>> model = Model({"ball": ball}, gravity=(0, 0, -10), settings=Settings(t_end=1.0, step=0.1))
+    >>> t = np.linspace(0.0, 1.0, 11)
+    >>> fall = {"position:ball:z": (t, -9.81 * t**2 / 2)}
+    >>> found = fit_model(model, {"g": "simulation.gravity.2"}, fall)
+    >>> round(found.parameters[0].value, 6)
+    -9.81
+    """
+    family, starts = family_of(model, parameters)
+    if isinstance(sigma, Mapping) and sigma.keys() != series.keys():
+        raise StudyError(f"sigma: expected one for each of {', '.join(series)}, or one number")
+    deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma or 0.0)
+    measured = [
+        _series(quantity, time, values, deviations[quantity])
+        for quantity, (time, values) in series.items()
+    ]
+    return _fitted(family, starts, measured, shift)
+
+
+def _series(quantity: str, time: ArrayLike, values: ArrayLike, sigma: float) -> MeasuredSeries:
+    t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    if t.ndim != 1 or t.shape != y.shape or not np.isfinite([t, y]).all():
+        raise StudyError(
+            f"series {quantity!r}: expected times and values (n,) that are finite, found "
+            f"{t.shape} and {y.shape}"
+        )
+    if not (np.isfinite(sigma) and sigma >= 0.0):
+        raise StudyError(f"series {quantity!r}: expected sigma above 0, found {sigma}")
+    check_times(t, f"series {quantity!r}")
+    return MeasuredSeries(f"series {quantity!r}", quantity, t, y, float(sigma))
+
+
+def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     table = study.file.fit
     if table is None or not table.series:
         raise StudyError("expected the table [fit] with [[fit.series]], found none")
@@ -91,13 +161,29 @@ def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     if output is not None:
         files = [study.path, study.base, *(study.path.parent / one.file for one in table.series)]
         require_no_input(output, files, "an input of the fit")
-    if SHIFT_NAME in study.parameters:
+    made = _fitted(study.parametrized, study.parameters, series, table.shift)
+    # Written last: a fit that fails leaves no file.
+    if output is not None:
+        study.write(output, made.values)
+    return made
+
+
+def _fitted(
+    family: Parametrized,
+    parameters: Mapping[str, StudyParameter],
+    series: Sequence[MeasuredSeries],
+    shift: bool,
+) -> ModelFit:
+    # Import here: takes a second, and no other study needs it.
+    from scipy.optimize import least_squares
+
+    if SHIFT_NAME in parameters:
         raise StudyError(f"parameters.{SHIFT_NAME}: is the time shift: expected another name")
-    if len({one.sigma > 0.0 for one in series}) > 1:
+    if len({one.sigma > 0.0 for one in series}) != 1:
         raise StudyError("fit.series: expected sigma of all series or of none")
-    axes = [SearchAxis.of(name, parameter) for name, parameter in study.parameters.items()]
-    problem = FitProblem(study.parametrized, axes, series)
-    problem.begin(table.shift)
+    axes = [SearchAxis.of(name, parameter) for name, parameter in parameters.items()]
+    problem = FitProblem(family, axes, series)
+    problem.begin(shift)
     axes = problem.axes
     start = np.array([axis.inner(axis.begin) for axis in axes])
     bounds = np.array([[axis.inner(end) for end in (axis.low, axis.high)] for axis in axes]).T
@@ -109,12 +195,4 @@ def _fitted(study: StudyOfOneModel, output: Path | None) -> ModelFit:
         x_scale="jac",
         max_nfev=MOST_SEARCH_STEPS,
     )
-    # Written last: a fit that fails leaves no file.
-    made = problem.fit(found.x, found.active_mask, found.status > 0)
-    if output is not None:
-        tables = study.plan.moved(output.parent).document_at(
-            {one.name: one.value for one in made.parameters if one.is_key}
-        )
-        with renamed_when_whole(output, failure=StudyError) as temporary:
-            temporary.write_text(toml_of(tables), encoding="utf-8")
-    return made
+    return problem.fit(found.x, found.active_mask, found.status > 0)

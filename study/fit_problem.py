@@ -12,7 +12,7 @@ from .errors import StudyError
 from .measured_series import MeasuredSeries
 from .model_fit import FittedParameter, ModelFit
 from .one_model import StudyParameter
-from .outputs import sampled_over
+from .outputs import sampled_over, unit_of
 from .parametrized import Parametrized
 from .runs import runs_at
 from .search_axis import SHIFT_NAME, SearchAxis
@@ -58,6 +58,7 @@ class FitProblem:
                     f"and the run goes from {time[0]:.6g} s to {time[-1]:.6g} s"
                 )
             low, high = max(low, one.time[-1] - end), min(high, one.time[0] - time[0])
+        self._units = [unit_of(results, one.quantity) for one in self._series]
         if not shift:
             return
         # Beyond, samples would have nothing to be compared with.
@@ -119,6 +120,7 @@ class FitProblem:
             found.rank,
             tuple(self._series),
             tuple(fitted),
+            tuple(self._units),
             np.array(rms),
             self.runs,
             converged,

@@ -58,9 +58,13 @@ def read_series(table: SeriesTable, folder: Path, name: str) -> MeasuredSeries:
         time, values = reader(path, table)
     except (ModelError, ResultsError, QuantityError, SeriesError) as error:
         raise StudyError(f"{name}: {error}") from error
-    if len(time) < 2 or not (np.diff(time) > 0.0).all():
-        raise StudyError(f"{name}: {path}: expected two or more times that increase")
+    check_times(time, f"{name}: {path}")
     return MeasuredSeries(name, table.quantity, time, table.scale * values, table.sigma or 0.0)
+
+
+def check_times(time: Array, place: str) -> None:
+    if len(time) < 2 or not (np.diff(time) > 0.0).all():
+        raise StudyError(f"{place}: expected two or more times that increase")
 
 
 def _of_text(path: Path, table: SeriesTable) -> tuple[Array, Array]:

@@ -42,7 +42,7 @@ class ModelFit:
 
     parameters: in their order, with the shift [s] last if it was fitted; correlation (k, k);
     rank: of k, how many combinations of parameters the data tell; series: measured, and fitted
-    (n,), the run at their times; rms: of the residuals of each, in its unit; runs: how many were
+    (n,), the run at their times, with units; rms: of the residuals of each; runs: how many were
     made; converged: whether the search ended by itself; warnings: limits of the method that the
     fitted run has passed.
     """
@@ -52,10 +52,16 @@ class ModelFit:
     rank: int
     series: tuple[MeasuredSeries, ...]
     fitted: tuple[Array, ...]
+    units: tuple[str, ...]
     rms: Array
     runs: int
     converged: bool
     warnings: tuple[str, ...]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters of the model by name, without the shift."""
+        return {one.name: one.value for one in self.parameters if one.is_key}
 
     @property
     def notes(self) -> Iterator[str]:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..inputs import read_toml
+from ..files import renamed_when_whole
+from ..inputs import read_toml, toml_of
 from ..solver import Model, read_model
 from ..solver.model.variation import Variation
 from .derived import definitions, own_names
 from .errors import StudyError
+from .expressions import LookUp
 from .keys import leaves
 from .parametrized import Parametrized, numeric, numeric_value_at
 from .samples import distribution_of, is_distribution
@@ -43,6 +45,12 @@ class StudyOfOneModel:
     parametrized: Parametrized
     plan: Plan
     file: StudyTables
+
+    def write(self, path: Path, values: Mapping[str, float]) -> None:
+        """Write the model file with values of the parameters, whole or not at all."""
+        tables = self.plan.moved(path.parent).document_at(values)
+        with renamed_when_whole(path, failure=StudyError) as temporary:
+            temporary.write_text(toml_of(tables), encoding="utf-8")
 
 
 def read_study_of_one_model(path: str | os.PathLike[str]) -> StudyOfOneModel:
@@ -79,7 +87,11 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
     def make(changed: Mapping[str, float]) -> Model:
         return variation.model(plan.document_at(changed))
 
-    return StudyOfOneModel(path, base, parameters, Parametrized(values, make), plan, file)
+    def known(changed: Mapping[str, float]) -> LookUp:
+        return plan.derivation_at(changed).look_up
+
+    family = Parametrized(values, make, known)
+    return StudyOfOneModel(path, base, parameters, family, plan, file)
 
 
 def _parameter(given: Mapping[str, Any], key: str, value: Any) -> tuple[str, StudyParameter]:

@@ -42,6 +42,8 @@ REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
     "argmax": lambda time, samples: float(time[samples.argmax()]),
     "argmin": lambda time, samples: float(time[samples.argmin()]),
 }
+# Reductions that are one of the samples.
+PEAK_REDUCTIONS = ("max", "min")
 # Reductions that make sense over frequency too.
 OF_SPECTRA = ("max", "min", "argmax", "argmin")
 # Reductions that give a time or a frequency, not a value.
@@ -102,6 +104,29 @@ def is_stepwise(output: str) -> bool:
     return _parsed(output).reduction in (*OF_TIMES, "count")
 
 
+def reduction_of(output: str) -> str:
+    """The reduction of an output; "" of one of events."""
+    asked = _parsed(output)
+    return "" if _is_event(asked.quantity) else asked.reduction
+
+
+def samples_of(results: Results, output: str) -> Array:
+    """What an output is the largest or least of (n,)."""
+    asked = _parsed(output)
+    found = transforms.series(results, asked.quantity)
+    _check_columns(asked, found)
+    return _within(asked, found.abscissa, _of_one_number(asked, found))[1]
+
+
+def with_quantity(output: str, change: Callable[[str], str]) -> str:
+    """An output whose quantity is changed; what is no output is a quantity alone."""
+    match = OUTPUT_PATTERN.fullmatch(output)
+    if is_series(output) or match is None:
+        return change(output.strip())
+    start, end = match.span("quantity")
+    return f"{output[:start]}{change(output[start:end])}{output[end:]}"
+
+
 def sampled_over(results: Results, name: str, quantity: str, base: str = "") -> tuple[Array, Array]:
     """The abscissa (n,) and the values (n,) of a quantity of one number; raises as `values`.
 
@@ -120,6 +145,11 @@ def sampled_over(results: Results, name: str, quantity: str, base: str = "") -> 
 
     found: tuple[Array, Array] = _named(name, taken, results, quantity)
     return found
+
+
+def unit_of(results: Results, quantity: str) -> str:
+    """The unit of a quantity, "" of a number."""
+    return _plain(transforms.series(results, quantity).unit)
 
 
 def _named(
@@ -142,12 +172,17 @@ def _value(results: Results, output: str) -> float:
         return OF_EVENTS[asked.reduction](samples) if known else float("nan")
     found = transforms.series(results, asked.quantity)
     _check_columns(asked, found)
-    samples = found.values
-    if asked.magnitude:
-        samples = np.linalg.norm(samples, axis=1) if samples.ndim > 1 else np.abs(samples)
+    samples = _of_one_number(asked, found)
     if asked.reduction == VALUE_REDUCTION:
         return _at(asked, found.abscissa, samples)
     return REDUCTIONS[asked.reduction](*_within(asked, found.abscissa, samples))
+
+
+def _of_one_number(asked: "_Output", found: Series) -> Array:
+    """The samples (n,), of bars their magnitude."""
+    if not asked.magnitude:
+        return found.values
+    return np.linalg.norm(found.values, axis=1) if found.values.ndim > 1 else np.abs(found.values)
 
 
 def _unit(results: Results, output: str) -> str:

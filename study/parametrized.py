@@ -3,12 +3,14 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ..inputs import dotted, quoted
 from ..solver import Model
 from ..solver.model.variation import Variation
 from .errors import StudyError
+from .expressions import LookUp
 from .keys import put, value_at
 
 
@@ -18,6 +20,21 @@ class Parametrized:
 
     values: Mapping[str, float]
     make: Callable[[Mapping[str, float]], Model]
+    known: Callable[[Mapping[str, float]], LookUp] | None = None
+    """what arithmetic may ask for beside the parameters, at their values"""
+
+    def look_up(self, values: Mapping[str, float]) -> LookUp:
+        """What names in arithmetic stand for: parameters, or keys of the model."""
+        beside = None if self.known is None else self.known(values)
+
+        def found(name: str) -> Any:
+            if name in values:
+                return values[name]
+            if beside is None:
+                raise StudyError(f"no {quoted(name)}; there are: {', '.join(values)}")
+            return beside(name)
+
+        return found
 
 
 def of_model(model: Model, parameters: Mapping[str, str] | Sequence[str]) -> Parametrized:
@@ -26,13 +43,17 @@ def of_model(model: Model, parameters: Mapping[str, str] | Sequence[str]) -> Par
     variation = Variation(model)
     values = {name: numeric_value_at(variation.tables, key) for name, key in named.items()}
 
-    def make(changed: Mapping[str, float]) -> Model:
+    def tables_at(changed: Mapping[str, float]) -> dict[str, Any]:
         tables = deepcopy(dict(variation.tables))
         for name, value in changed.items():
             put(tables, named[name], value)
-        return variation.model(tables)
+        return tables
 
-    return Parametrized(values, make)
+    return Parametrized(
+        values,
+        lambda changed: variation.model(tables_at(changed)),
+        lambda changed: partial(value_at, tables_at(changed)),
+    )
 
 
 def of_function(

@@ -1,4 +1,4 @@
-"""A parameter within the search of a fit: where it begins, its bounds, and how it is counted."""
+"""A parameter within a search: where it begins, its bounds, and how it is counted."""
 
 from dataclasses import dataclass
 from math import exp, log
@@ -13,6 +13,8 @@ JACOBIAN_STEP = 1e-4
 """of the scale of a parameter, for central differences: smooth runs are right to 1e-8 there"""
 LEAST_DISTANCE = 1e-9
 """of a start from its bounds, over their distance"""
+BOUND_ROUNDING = 1e-12
+"""of a bound, or of the scale of a parameter"""
 SHIFT_NAME = "shift"
 """the name of the parameter that moves a run over time"""
 
@@ -56,11 +58,18 @@ class SearchAxis:
         """The lower bound, -1, or the upper one, 1."""
         return self.low if side < 0 else self.high
 
-    def ends(self, value: float) -> tuple[float, float]:
-        """Between which the difference about a value is taken."""
-        step = JACOBIAN_STEP * (abs(value) if self.logarithmic else self.scale)
+    def ends(self, value: float, width: float = JACOBIAN_STEP) -> tuple[float, float]:
+        """Between which the difference about a value is taken; width: over its scale."""
+        step = width * (abs(value) if self.logarithmic else self.scale)
         # One-sided at a bound: beyond it the model may not exist.
         return min(value + step, self.high), max(value - step, self.low)
+
+    def within(self, value: float) -> float:
+        """A value that the rounding of the search has not moved off a bound."""
+        for end in (self.low, self.high):
+            if abs(value - end) <= BOUND_ROUNDING * max(abs(end), self.scale) < np.inf:
+                return end
+        return min(max(value, self.low), self.high)
 
     def inner(self, value: float) -> float:
         return log(value) if self.logarithmic else value / self.scale

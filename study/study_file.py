@@ -16,6 +16,7 @@ from ..inputs import Table, document_of, read_table, read_toml, rule
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
+from .goals import OptimizeTable
 from .keys import matching, put, with_texts
 from .measured_series import SeriesTable
 from .points import Point, grid, rows, samples
@@ -45,6 +46,7 @@ class StudyTables(Table):
     derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
     fit: FitTable | None = None
+    optimize: OptimizeTable | None = None
 
     @rule
     def _one_of_each(self) -> None:
@@ -120,7 +122,7 @@ def study_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(study_schema()["properties"])
-    ['body', 'derived', 'design', 'fit', 'model', 'outputs', 'parameters', 'table']
+    ['body', 'derived', 'design', 'fit', 'model', 'optimize', 'outputs', 'parameters', 'table']
     """
     return document_of(StudyTables, "A study file of Duhamel")
 
@@ -208,11 +210,15 @@ class Plan:
 
     def document_at(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The base document with values of parameters, and what is derived from them."""
+        return self.derivation_at(values).document
+
+    def derivation_at(self, values: Mapping[str, Any]) -> Derivation:
+        """The same, with the values of names of the study's own."""
         derivation = Derivation(deepcopy(dict(self.document)), self.own, self._put)
         for key, value in values.items():
             derivation.give(key, value)
         derivation.derive(self.derived)
-        return derivation.document
+        return derivation
 
     def moved(self, folder: Path) -> "Plan":
         """The same plan for files in another folder, to which their paths are relative."""

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from duhamel.selections import box, cylinder, face, group, hole, node, plane, sphere
     from duhamel.solver.model.bodies import RigidBody
     from duhamel.solver.model.fmus import FMU
+    from duhamel.study import Parameter
     from duhamel.superelement import Superelement
 
     __version__: str
@@ -74,6 +75,7 @@ _NAMES = {
     "Beam": "parts",
     "Material": "preprocess.body.material",
     "Mechanism": "mechanism",
+    "Parameter": "study.parameter",
     "Part": "parts",
     "RigidBody": "solver.model.bodies",
     "Run": "runs",
@@ -95,6 +97,7 @@ __all__ = [
     "Beam",
     "Material",
     "Mechanism",
+    "Parameter",
     "Part",
     "RigidBody",
     "Run",

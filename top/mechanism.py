@@ -3,6 +3,7 @@
 import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar, overload
@@ -22,7 +23,9 @@ from .quantities import quantity_of
 from .runs import Run
 
 if TYPE_CHECKING:
-    from duhamel import fmu
+    from duhamel import fmu, study
+
+    from .varied import AnyParameter, VariedMechanism
 
 MODEL_GROUPS = (
     *("joints", "springs", "motions", "loads", "contacts", "stops", "motors", "couplers"),
@@ -195,13 +198,23 @@ class Mechanism:
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
         """The mechanism of a model file, with its settings; `ModelError` names file and key."""
-        model = solver.read_model(path)
+        return cls._of(solver.read_model(path))
+
+    @classmethod
+    def _of(cls, model: solver.Model) -> Self:
         made = cls(model.gravity)
         made.bodies, made.ground_frames = dict(model.bodies), dict(model.ground_frames)
         made.settings = made._last = model.settings
         made._path = model.path
         made._entries = {group: getattr(model, group) for group in MODEL_GROUPS}
         made._entries["contacts"] += model.surface_contacts
+        return made
+
+    def copy(self) -> Self:
+        """A mechanism that changes apart from this one; what it is made of is shared."""
+        made = copy(self)
+        made.bodies, made.ground_frames = dict(self.bodies), dict(self.ground_frames)
+        made._entries = dict(self._entries)
         return made
 
     @property
@@ -409,6 +422,239 @@ class Mechanism:
             cpu=cpu,
         )
 
+    def sensitivities(
+        self,
+        parameters: Mapping[str, "AnyParameter"],
+        outputs: Mapping[str, str] | Sequence[str],
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        scales: Mapping[str, float] | None = None,
+        **settings: Any,
+    ) -> "study.Sensitivities":
+        """Derivatives of outputs of a run by parameters, see `duhamel.study.sensitivities`.
+
+        Parameters
+        ----------
+        parameters : mapping of str or Parameter
+            By names of your own: keys of the model file, as "bodies.hub.mass", or
+            `du.Parameter(change, start=...)` with a function `change(mechanism, value)`, which
+            gets a copy of the mechanism.
+        outputs : mapping or sequence of str
+            "max |hinge.moment|", "final rod.tip.position.z", or a quantity over time.
+        t_end, step, **settings
+            Those of `simulate`.
+        scales : mapping of float, optional
+            The sizes by which steps are counted, of parameters that are 0.
+
+        Returns
+        -------
+        Sensitivities
+
+        Raises
+        ------
+        StudyError
+
+        Examples
+        --------
+        >>> import duhamel as du
+        >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+        >>> ball = m.add(du.RigidBody(2.0, [0.1] * 3), name="ball")
+        >>> def push(m, force):
+        ...     m.add(du.loads.Force(m["ball"], "z", du.signals.Constant(force)))
+        >>> found = m.sensitivities(
+        ...     {"g": "simulation.gravity.2", "force": du.Parameter(push, start=8.0)},
+        ...     {"end": "final ball.position.z"},
+        ...     step=0.1,
+        ... )
+        >>> found.derivative.round(6).tolist()
+        [[0.5, 0.25]]
+        """
+        from duhamel import study  # a simulation needs none of it
+
+        varied = self._varied(parameters, t_end, step, settings)
+        named = outputs if isinstance(outputs, Mapping) else {text: text for text in outputs}
+        return study.sensitivities(
+            varied.make,
+            {name: one.start or 0.0 for name, one in varied.parameters.items()},
+            {name: varied.output(text) for name, text in named.items()},
+            scales=scales,
+        )
+
+    def fit(
+        self,
+        parameters: Mapping[str, "AnyParameter"],
+        series: Mapping[str, tuple[ArrayLike, ArrayLike]],
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        sigma: float | Mapping[str, float] | None = None,
+        shift: bool = False,
+        **settings: Any,
+    ) -> "study.ModelFit":
+        """Fit parameters to measured series, see `duhamel.study.fit_model`.
+
+        Parameters
+        ----------
+        parameters : mapping of str or Parameter
+            As of `sensitivities`; `du.Parameter(key, bounds=(low, high))` has bounds.
+        series : mapping of (time, values)
+            By quantities, as "rod.tip.position.z": times [s] and values (n,).
+        t_end, step, **settings
+            Those of `simulate`.
+        sigma : float or mapping of float, optional
+            The standard deviation of the noise.
+        shift : bool
+            Whether the time of the series may be shifted.
+
+        Returns
+        -------
+        ModelFit
+            `with_values(parameters, found.values)` is the mechanism that was fitted.
+
+        Raises
+        ------
+        StudyError
+
+        Examples
+        --------
+        >>> import duhamel as du
+        >>> import numpy as np
+        >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+        >>> ball = m.add(du.RigidBody(2.0, [0.1] * 3), name="ball")
+        >>> t = np.linspace(0.0, 1.0, 11)
+        >>> found = m.fit(
+        ...     {"g": du.Parameter("simulation.gravity.2", bounds=(-20.0, 0.0))},
+        ...     {"ball.position.z": (t, -9.81 * t**2 / 2)},
+        ...     step=0.1,
+        ... )
+        >>> round(found.values["g"], 6)
+        -9.81
+        """
+        from duhamel import study
+
+        varied = self._varied(parameters, t_end, step, settings)
+        return study.fit_model(
+            varied.make,
+            varied.parameters,
+            {self.quantity(name): measured for name, measured in series.items()},
+            sigma={self.quantity(name): one for name, one in sigma.items()}
+            if isinstance(sigma, Mapping)
+            else sigma,
+            shift=shift,
+        )
+
+    def optimize(
+        self,
+        parameters: Mapping[str, "AnyParameter"],
+        outputs: Mapping[str, str] | None = None,
+        t_end: float | None = None,
+        step: float | None = None,
+        *,
+        minimize: str | None = None,
+        maximize: str | None = None,
+        constraints: Mapping[str, tuple[float | None, float | None]] | None = None,
+        method: Literal["local", "global"] = "local",
+        runs: int = 1000,
+        seed: int = 0,
+        **settings: Any,
+    ) -> "study.Optimum":
+        """Find the parameters for which an output is least or largest within limits.
+
+        Parameters
+        ----------
+        parameters : mapping of str or Parameter
+            As of `sensitivities`; `du.Parameter(key, bounds=(low, high))` has bounds.
+        outputs : mapping of str
+            By name, for `minimize` and `constraints`.
+        t_end, step, **settings
+            Those of `simulate`.
+        minimize, maximize : str
+            One of them: the name of an output, an output, or arithmetic of outputs and parameters.
+        constraints : mapping of (low, high)
+            Of what `minimize` takes, None where there is no limit.
+        method : {"local", "global"}
+            "global" looks in all of the bounds first.
+        runs : int
+            How many it may make.
+        seed : int
+            Of the random numbers of a global search.
+
+        Returns
+        -------
+        Optimum
+            `with_values(parameters, found.values)` is the best mechanism. See
+            `duhamel.study.optimize_model`.
+
+        Raises
+        ------
+        StudyError
+
+        Examples
+        --------
+        >>> import duhamel as du
+        >>> m = du.Mechanism(gravity=[0.0, 0.0, -10.0])
+        >>> ball = m.add(du.RigidBody(2.0, [0.1] * 3), name="ball")
+        >>> push = m.add(du.loads.Force(ball, "z", du.signals.Constant(5.0)))
+        >>> found = m.optimize(
+        ...     {"force": du.Parameter("loads.0.signal", bounds=(0.0, 50.0))},
+        ...     {"end": "final ball.position.z"},
+        ...     step=0.1,
+        ...     minimize="force",
+        ...     constraints={"end": (1.0, None)},
+        ... )
+        >>> found.converged, round(found.values["force"], 6)
+        (True, 24.0)
+        """
+        from duhamel import study
+
+        varied = self._varied(parameters, t_end, step, settings)
+        return study.optimize_model(
+            varied.make,
+            varied.parameters,
+            {name: varied.output(text) for name, text in (outputs or {}).items()},
+            minimize=None if minimize is None else varied.goal(minimize),
+            maximize=None if maximize is None else varied.goal(maximize),
+            constraints={varied.goal(text): ends for text, ends in (constraints or {}).items()},
+            method=method,
+            runs=runs,
+            seed=seed,
+        )
+
+    def with_values(
+        self, parameters: Mapping[str, "AnyParameter"], values: Mapping[str, float]
+    ) -> Self:
+        """The mechanism with values of the parameters of a fit or a search.
+
+        Parameters
+        ----------
+        parameters : mapping of str or Parameter
+            As they were given.
+        values : mapping of float
+            As `found.values`.
+
+        Examples
+        --------
+        >>> import duhamel as du
+        >>> m = du.Mechanism()
+        >>> ball = m.add(du.RigidBody(2.0, [0.1] * 3), name="ball")
+        >>> m.with_values({"m": "bodies.ball.mass"}, {"m": 3.0}).bodies["ball"].mass
+        3.0
+        """
+        return self._of(self._varied(parameters, None, None, {}).make(**values))
+
+    def _varied(
+        self,
+        parameters: Mapping[str, "AnyParameter"],
+        t_end: float | None,
+        step: float | None,
+        settings: dict[str, Any],
+    ) -> "VariedMechanism":
+        from .varied import VariedMechanism  # a simulation needs none of it
+
+        self._last = self._settings(t_end, step, settings)
+        return VariedMechanism(self, parameters, self._last)
+
     def check(
         self, t_end: float | None = None, step: float | None = None, **settings: Any
     ) -> solver.ModelCheck:
@@ -448,7 +694,7 @@ class Mechanism:
         bodies : {"dynamic", "static", "rigid"}
             How flexible bodies deform.
         """
-        named = [self._quantity(output) for output in outputs]
+        named = [self.quantity(output) for output in outputs]
         return self.linear().frf(inputs, named, frequencies, bodies)
 
     def campbell(
@@ -565,7 +811,8 @@ class Mechanism:
             self.settings, **{key: value for key, value in changes.items() if value is not None}
         )
 
-    def _quantity(self, text: str) -> str:
+    def quantity(self, text: str) -> str:
+        """A quantity as `duhamel plot` names it, from "rod.tip.position.y" and the like."""
         frames = [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
         joints = {joint.name: joint.coordinates for joint in self._entries["joints"]}
         owners = [*self.bodies, *frames, *(entry.name for entry in self._named())]

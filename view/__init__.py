@@ -21,6 +21,7 @@ from .linear import (
     draw_shapes,
 )
 from .naming import title_and_labels
+from .optimization import GoalHistory, draw_optimization
 from .overlay import overlaid
 from .overview import overview, overview_quantities
 from .picture import draw, entitle, panels, save, style
@@ -43,6 +44,7 @@ __all__ = [
     "Field",
     "Film",
     "FitOfTest",
+    "GoalHistory",
     "Marker",
     "ModeShape",
     "Patch",
@@ -64,6 +66,7 @@ __all__ = [
     "draw_elasticities",
     "draw_fields",
     "draw_fit",
+    "draw_optimization",
     "draw_response",
     "draw_scene",
     "draw_series_fit",

@@ -29,8 +29,8 @@ def fit(study_file: ModelStudy, output: FittedModel = None) -> None:
     with errors_in_one_line(files, results, solver, study, superelement, view):
         found = study.fit(study_file, target)
         Console().print(fit_table(study_file.stem, found))
-        for one, rms in zip(found.series, found.rms, strict=True):
-            typer.echo(one_line(f"{one.quantity}: rms of the residuals {rms:.4g}"))
+        for one, rms, unit in zip(found.series, found.rms, found.units, strict=True):
+            typer.echo(one_line(f"{one.quantity}: rms of the residuals {rms:.4g} {unit}"))
         for note in found.notes:
             typer.echo(one_line(note))
         view.save(fit_picture(study_file.stem, found), picture)
