@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -34,6 +34,12 @@ class FitTable(Table):
     shift: bool = False
 
 
+class SensitivityTable(Table):
+    """How `duhamel sensitivity` takes derivatives."""
+
+    method: Literal["differences", "dual"] = "differences"
+
+
 class StudyTables(Table):
     """The tables of a study file."""
 
@@ -45,6 +51,7 @@ class StudyTables(Table):
     derived: dict[str, Any] = Field(default_factory=dict)
     outputs: dict[str, str] = Field(default_factory=dict)
     fit: FitTable | None = None
+    sensitivity: SensitivityTable = SensitivityTable()
 
     @rule
     def _one_of_each(self) -> None:

@@ -20,6 +20,8 @@ OBJECT_MARK = b"object file of duhamel\n"
 """what the process that builds writes ahead of the object file"""
 COMPILED_ENTRIES: dict[str, "Entry"] = {}
 """entries by the name that they have in the object file"""
+DIFFERENTIABLE_ENTRIES: dict[str, "Entry"] = {}
+"""those of them that are also compiled with derivatives"""
 
 
 def compiled(function: Function) -> Function:
@@ -34,6 +36,13 @@ def entry(function: Function) -> Function:
     made = Entry(function)
     COMPILED_ENTRIES[made.symbol] = made
     return cast(Function, made)
+
+
+def differentiable(made: Function) -> Function:
+    """Register an entry that is also compiled with derivatives; all its arguments are records."""
+    of_records = cast("Entry", made)
+    DIFFERENTIABLE_ENTRIES[of_records.symbol] = of_records
+    return made
 
 
 class Entry:
