@@ -27,6 +27,10 @@ from .parametrized import Parametrized
 
 CHAIN_STEPS = np.array([1e-3, 1e-4, 1e-5, 1e-6, 1e-7])
 """of the scale of a parameter, along its derivative"""
+MAX_DEPARTURE = 1e-6
+"""of an output, or of its derivative times the size of a parameter"""
+ABSOLUTE_ROUNDING = 1e-12
+"""in SI units, of outputs that are zero but for it"""
 NEARBY = np.array([-1e-2, -5e-3, 0.0, 5e-3, 1e-2])
 """values of s, at which derivatives vary with the places of switches"""
 SCATTER_MARGIN = 2.0
@@ -56,14 +60,35 @@ def dual_slopes(
     try:
         differentiation = Differentiation(family.make, scales, results, asked.numbers)
         found = differentiation.at(family.values)
-        differentiation.check(found)
         value, error = _chained(found, asked, scales)
+        _check(asked, asked.numbers(found.values), asked.numbers(results), value, scales)
     except DerivativeError as failure:
         raise StudyError(f'{failure}; take method = "differences"') from failure
     if found.switches:
         nearby = _Nearby(differentiation, family.values, scales, asked)
         error = np.maximum(error, nearby.errors(found, value))
     return DualSlopes(value, error, tuple(_notes(found)))
+
+
+def _check(
+    asked: AskedNumbers,
+    found: Array,
+    plain: Array,
+    value: Array,
+    scales: Mapping[str, float],
+) -> None:
+    """`DerivativeError` where outputs came out otherwise than without derivatives."""
+    sizes = np.abs(plain) + np.abs(value * list(scales.values())).max(axis=1)
+    away = np.abs(found - plain)
+    of_outputs, of_series = asked.split(np.stack([away, sizes], axis=1))
+    parts = [*of_outputs[:, None], *of_series.values()]
+    for output, part in zip((*asked.outputs, *asked.series), parts, strict=True):
+        miss, size = np.nan_to_num(part).max(axis=0).tolist()
+        if miss > MAX_DEPARTURE * size + ABSOLUTE_ROUNDING:
+            raise DerivativeError(
+                f"{output} differs by {miss:.2g} of {size:.2g} from the run without derivatives: "
+                "rounding grows in this motion"
+            )
 
 
 def _chained(

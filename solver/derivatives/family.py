@@ -3,20 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...files.blas import one_blas_thread
 from ...results.results import Results
 from ..compiler.targets import DERIVATIVE_COUNTS
-from ..errors import DerivativeError, about
+from ..errors import about
 from ..model.model import Model
 from .rows import MovedSource, NotedSource
 from .run import DualRun, recorded_rows, run_with_derivatives
 from .scope import check_scope, has_kinks
 from .seeds import Start, seeds_of, start_of
-
-MAX_DEPARTURE = 1e-6
-"""from the run without derivatives, of the largest number of a quantity"""
 
 Values = Mapping[str, float]
 
@@ -94,20 +89,3 @@ class Differentiation:
 
     def _start(self, values: Values) -> Start:
         return start_of(self._make(values), recorded_rows)
-
-    def check(self, found: DifferentiatedRun) -> None:
-        """`DerivativeError` where values came out otherwise than without derivatives."""
-        own = found.values.source
-        for name, quantity in self._noted.quantities.items():
-            if quantity.integer:
-                continue
-            (here,), (there,) = (
-                one.read([(quantity, None)]) for one in (own, self._results.source)
-            )
-            away = np.abs(here - there)[np.isfinite(there)].max(initial=0.0)
-            largest = np.abs(there[np.isfinite(there)]).max(initial=0.0)
-            if here.shape != there.shape or not away <= MAX_DEPARTURE * largest:
-                raise DerivativeError(
-                    f"{name} differs by {away:.2g} of {largest:.2g} from the run without "
-                    "derivatives: rounding grows in this motion"
-                )

@@ -33,7 +33,10 @@ class NotedSource:
         return getattr(self._source, name)
 
     def read(self, selections: Sequence[Selection], rows: slice = ALL_ROWS) -> list[Array]:
-        self.quantities |= {quantity.name: quantity for quantity, _ in selections}
+        recorded = {quantity.name for quantity in self._source.contents().quantities}
+        asked = {quantity.name: quantity for quantity, _ in selections}
+        # Those of which there are no entries are not recorded.
+        self.quantities |= {name: one for name, one in asked.items() if name in recorded}
         return self._source.read(selections, rows)
 
     def arrays_of(self, lowered: LoweredModel) -> tuple[str, ...]:
@@ -87,10 +90,13 @@ class MovedSource:
         return self._source.space()
 
     def read(self, selections: Sequence[Selection], rows: slice = ALL_ROWS) -> list[Array]:
-        axes = self._source.contents().axes
-        found = []
+        contents, found = self._source.contents(), []
+        recorded = {quantity.name for quantity in contents.quantities}
         for quantity, entries in selections:
-            values = quantity.take(self._batch, axes)[rows]
+            if quantity.name not in recorded:  # of no entries
+                found.append(np.zeros((len(self._run.steps[rows]), 0)))
+                continue
+            values = quantity.take(self._batch, contents.axes)[rows]
             found.append(np.array(values if entries is None else values[:, entries]))
         return found
 
