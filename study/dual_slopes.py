@@ -5,7 +5,7 @@ chain rule, along each of them. Where forces have kinks, the derivative of a run
 not that of the motion: it depends on where in a step each switch lies. It is then taken at some
 values nearby too, which change these places, and is as good as it varies smoothly there:
 
-    d(s) at p_j (1 + s w_j),   s = -1e-2, -5e-3, 0, 5e-3, 1e-2,   less its parabola over s
+    d(s) at p_j (1 + s w_j),   s = -1e-2 .. 0.854e-2,   less its parabola over s
 
 Beside that, the derivatives along w must agree with the difference of the outputs there. The larger
 of both is the error. Source: docs/theory.md, Derivatives by dual numbers.
@@ -25,21 +25,21 @@ from .asked_numbers import AskedNumbers
 from .errors import StudyError
 from .parametrized import Parametrized
 
-CHAIN_STEPS = np.array([1e-3, 1e-4, 1e-5, 1e-6, 1e-7])
+CHAIN_STEPS = np.array([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 """of the scale of a parameter, along its derivative"""
 MAX_DEPARTURE = 1e-6
 """of an output, or of its derivative times the size of a parameter"""
 ABSOLUTE_ROUNDING = 1e-12
 """in SI units, of outputs that are zero but for it"""
-NEARBY = np.array([-1e-2, -5e-3, 0.0, 5e-3, 1e-2])
-"""values of s, at which derivatives vary with the places of switches"""
+NEARBY = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
+"""values of s, unevenly: at even ones all switches may lie at the same places of their steps"""
 SCATTER_MARGIN = 2.0
-"""over the largest distance from a parabola, which five values leave two to tell"""
+"""over the largest distance from the parabola, which takes half of what six values tell"""
 GOLDEN = 0.6180339887498949
 BESIDE_PARABOLA = np.eye(len(NEARBY)) - np.vander(NEARBY, 3) @ np.linalg.pinv(np.vander(NEARBY, 3))
 """what is left of values at `NEARBY` less the parabola that fits best"""
-BY_NUMBERS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * NEARBY[3])
-"""weights of values at `NEARBY` in their slope at 0, but for terms of fifth order"""
+BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY / 1e-2, 5))[-2] / 1e-2
+"""weights of values at `NEARBY` in the slope at 0 of the polynomial of fourth degree"""
 
 
 class DualSlopes(NamedTuple):
@@ -96,8 +96,8 @@ def _chained(
 ) -> tuple[Array, Array]:
     """Derivatives and errors (m, parameters) of outputs by the chain rule.
 
-    Central differences along the derivatives of all that is recorded: that which differs least from
-    both its neighbors.
+    Central differences D(r) along the derivatives of all that is recorded, of which pairs give
+    (100 D(r / 10) - D(r)) / 99: that which differs least from the next pair.
     """
     columns = []
     for name, scale in scales.items():
@@ -105,12 +105,13 @@ def _chained(
         for distance in (CHAIN_STEPS * scale).tolist():
             ends = [asked.numbers(found.moved(name, end)) for end in (distance, -distance)]
             slopes.append((ends[0] - ends[1]) / (2.0 * distance))
-        changes = np.abs(np.diff(slopes, axis=0))
-        errors = np.maximum(changes[:-1], changes[1:])
+        wide, narrow = np.array(slopes[:-1]), np.array(slopes[1:])
+        better = narrow + (narrow - wide) / 99.0
+        errors = np.abs(np.diff(better, axis=0))
         # What is no number anywhere has no best step.
         best = np.where(np.isnan(errors), np.inf, errors).argmin(axis=0)
         rows = np.arange(errors.shape[1])
-        columns.append((np.array(slopes)[1 + best, rows], errors[best, rows]))
+        columns.append((better[best, rows], errors[best, rows]))
     value, error = (np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
     return value, error
 

@@ -204,7 +204,8 @@ def by_dual_numbers(
         scattering = error[:, j] > MAX_SCATTER * np.abs(value[:, j])
         if not scattering.any():
             continue
-        other = _slopes(family, name, scale, asked)
+        # Where exact derivatives scatter, small steps may well agree on one of them.
+        other = _slopes(family, name, scale, asked, scattering)
         better = scattering & (other.error < error[:, j])
         notes += _scattering(name, value[:, j], error[:, j], scattering, better, asked)
         value[better, j], error[better, j] = other.value[better], other.error[better]
@@ -242,7 +243,13 @@ def _sensitivities(
     )
 
 
-def _slopes(family: Parametrized, name: str, scale: float, asked: AskedNumbers) -> DifferenceSlopes:
+def _slopes(
+    family: Parametrized,
+    name: str,
+    scale: float,
+    asked: AskedNumbers,
+    switching: NDArray[np.bool_] | None = None,
+) -> DifferenceSlopes:
     """The derivatives of all numbers by a parameter; `StudyError` where no run can be made."""
     asked.failure = ""
     found = _differences(family, name, scale, asked)
@@ -251,7 +258,7 @@ def _slopes(family: Parametrized, name: str, scale: float, asked: AskedNumbers) 
             f"parameters.{dotted([name])}: the model does not run on both sides of "
             f"{family.values[name]:.9g}: {asked.failure}"
         )
-    return slopes_of(found)
+    return slopes_of(found, switching)
 
 
 def _switching(
