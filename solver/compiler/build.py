@@ -11,6 +11,7 @@ type models, attribute and operator templates, `CPUDispatcher`, the default pipe
 """
 
 import gc
+import inspect
 import operator
 import os
 import sys
@@ -47,6 +48,7 @@ from .marks import (
     COMPILED_FUNCTIONS,
     DIFFERENTIABLE_ENTRIES,
     OBJECT_MARK,
+    SKIPPED_WITH_DERIVATIVES,
     Entry,
 )
 from .memory import copy
@@ -154,12 +156,23 @@ def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inn
         if function in intrinsics:
             typing.insert_global(function, typing.resolve_value_type(intrinsics[function]))
             continue
-        dispatchers[function] = _Inner(function, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
+        skipped = k and function in SKIPPED_WITH_DERIVATIVES
+        compiled = _doing_nothing(function) if skipped else function
+        dispatchers[function] = _Inner(compiled, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
         # By its dispatcher a function is known to the others before it is compiled itself.
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
     for entry in COMPILED_ENTRIES.values():
         typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
     return dispatchers
+
+
+def _doing_nothing(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of the same arguments that returns nothing, or False."""
+    arguments = inspect.signature(function)
+    names: dict[str, Any] = {}
+    returned = None if arguments.return_annotation is None else False
+    exec(f"def nothing({', '.join(arguments.parameters)}):\n    return {returned}", names)
+    return names["nothing"]  # type: ignore[no-any-return]
 
 
 def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"], k: int) -> Any:
