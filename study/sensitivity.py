@@ -187,8 +187,9 @@ def by_differences(
     results = simulate(family.make(family.values))
     asked = AskedNumbers.of(results, outputs)
     found = [_slopes(family, name, scale, asked) for name, scale in sizes.items()]
-    slopes = (np.stack([one[i] for one in found], axis=1) for i in range(2))
-    return _sensitivities(family, results, asked, *slopes, _switching(family, found, asked))
+    value = np.stack([one.value for one in found], axis=1)
+    error = np.stack([one.error for one in found], axis=1)
+    return _sensitivities(family, results, asked, value, error, _switching(family, found, asked))
 
 
 def by_dual_numbers(
@@ -198,8 +199,8 @@ def by_dual_numbers(
     sizes = _scales(family, scales)
     results = simulate(family.make(family.values))
     asked = AskedNumbers.of(results, outputs)
-    value, error, notes = dual_slopes(family, sizes, asked, results)
-    notes = list(notes)
+    value, error, found = dual_slopes(family, sizes, asked, results)
+    notes = list(found)
     for j, (name, scale) in enumerate(sizes.items()):
         scattering = error[:, j] > MAX_SCATTER * np.abs(value[:, j])
         if not scattering.any():

@@ -109,6 +109,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "cosimulation",
         "plausibility",
         "simulation",
+        "derivatives",
         "many",
         "inspection",
         "stepper",

@@ -41,7 +41,7 @@ from numba.extending import intrinsic, models, register_model
 
 from . import dual
 from .calls import call_intrinsic
-from .dual import DUAL_INTRINSICS, Dual
+from .dual import Dual
 from .foreign import call_by_address
 from .marks import (
     COMPILED_ENTRIES,
@@ -151,7 +151,7 @@ def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inn
     target.refresh()
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
-    intrinsics = QUICK_INTRINSICS | (OF_DERIVATIVES if k else {})
+    intrinsics = QUICK_INTRINSICS | (_intrinsics_of_derivatives() if k else {})
     for function in COMPILED_FUNCTIONS:
         if function in intrinsics:
             typing.insert_global(function, typing.resolve_value_type(intrinsics[function]))
@@ -536,8 +536,14 @@ def _no_call(
 
 QUICK_INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
 """what stands for functions that are not compiled as they are written"""
-OF_DERIVATIVES = {call_by_address: _no_call, **DUAL_INTRINSICS}
-"""and what does where numbers have derivatives"""
+
+
+def _intrinsics_of_derivatives() -> dict[Callable[..., Any], Any]:
+    """What does beside these where numbers have derivatives."""
+    # Without them numba need not look at dual numbers in each operation.
+    from .dual_arithmetic import DUAL_INTRINSICS
+
+    return {call_by_address: _no_call, **DUAL_INTRINSICS}
 
 
 def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:

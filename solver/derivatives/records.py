@@ -28,9 +28,10 @@ class DualRecord:
         """seeds (..., k): the derivatives of arrays by name; others are constant."""
         self.words: Index = record.words.copy()
         self.arrays: dict[str, Any] = {}
-        names = array_names(type(record))
+        cls: Any = type(record)
+        names = array_names(cls)
         for name, (at, array), (_, field) in zip(
-            names, record.pointers(), type(record).array_fields(), strict=True
+            names, record.pointers(), cls.array_fields(), strict=True
         ):
             made = array.copy()
             if has_derivatives(field):

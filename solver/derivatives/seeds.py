@@ -148,10 +148,9 @@ def _derivative(
 
 def _numbers(record: Struct) -> Iterator[tuple[str, Array]]:
     """The arrays of a record whose numbers have derivatives, by name."""
-    fields, pointers = type(record).array_fields(), record.pointers()
-    for name, (_, field), (_, array) in zip(
-        array_names(type(record)), fields, pointers, strict=True
-    ):
+    cls: Any = type(record)
+    fields, pointers = cls.array_fields(), record.pointers()
+    for name, (_, field), (_, array) in zip(array_names(cls), fields, pointers, strict=True):
         if has_derivatives(field):
             yield name, array
 
