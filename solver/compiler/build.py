@@ -146,12 +146,13 @@ def _fewer_collections() -> Iterator[None]:
 
 def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inner"]:
     """A dispatcher for every compiled function, by which the others and entries know it."""
+    # Before the contexts look for what is registered.
+    intrinsics = QUICK_INTRINSICS | (_intrinsics_of_derivatives() if k else {})
     typing, target = cpu_target.typing_context, cpu_target.target_context
     typing.refresh()
     target.refresh()
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
-    intrinsics = QUICK_INTRINSICS | (_intrinsics_of_derivatives() if k else {})
     for function in COMPILED_FUNCTIONS:
         if function in intrinsics:
             typing.insert_global(function, typing.resolve_value_type(intrinsics[function]))
