@@ -137,6 +137,27 @@ def test_derivatives_go_on_where_the_motion_rests(tmp_path):
         )
 
 
+def test_a_spinning_bar_with_terms_of_second_order_is_as_by_differences(tmp_path):
+    element = bar(tmp_path, 0.3, rotation=True)
+
+    def make(spin):
+        start = Start(angular_velocity=[0.0, 0.0, spin])
+        load = Force("beam.right", [0.0, 0.3, 1.0], Constant(0.5), follower=True)
+        return Model(
+            {"beam": FlexibleBody(element, start)},
+            loads=[load],
+            settings=Settings(t_end=0.02, step=2e-4),
+        )
+
+    found = with_derivatives(make, {"spin": 40.0})
+    above, below = plain(make(40.004)), plain(make(39.996))
+    for name in ("body_position", "body_velocity", "frame_elastic_displacement"):
+        expected = (above[name] - below[name]) / 8e-3
+        np.testing.assert_allclose(
+            found[name][..., 1], expected, atol=1e-5 * np.abs(expected).max(), err_msg=name
+        )
+
+
 def test_a_lamina_has_the_derivative_of_the_side_on_which_it_is_valid():
     def spinning(inertia):
         flat = RigidBody(1.0, [0.1, 0.2, inertia], start=Start(angular_velocity=[1.0, 2.0, 3.0]))
