@@ -36,6 +36,7 @@ NEARBY = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
 SCATTER_MARGIN = 2.0
 """over the largest distance from the parabola, which takes half of what six values tell"""
 GOLDEN = 0.6180339887498949
+"""whose multiples, less whole numbers, are all apart"""
 BESIDE_PARABOLA = np.eye(len(NEARBY)) - np.vander(NEARBY, 3) @ np.linalg.pinv(np.vander(NEARBY, 3))
 """what is left of values at `NEARBY` less the parabola that fits best"""
 BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY / 1e-2, 5))[-2] / 1e-2

@@ -206,7 +206,11 @@ def by_dual_numbers(
         if not scattering.any():
             continue
         # Where exact derivatives scatter, small steps may well agree on one of them.
-        other = _slopes(family, name, scale, asked, scattering)
+        try:
+            other = _slopes(family, name, scale, asked, scattering)
+        except StudyError:  # valid on one side alone
+            notes += _scattering(name, value[:, j], error[:, j], scattering, ~scattering, asked)
+            continue
         better = scattering & (other.error < error[:, j])
         notes += _scattering(name, value[:, j], error[:, j], scattering, better, asked)
         value[better, j], error[better, j] = other.value[better], other.error[better]
@@ -283,7 +287,8 @@ def _scattering(
     """Lines about outputs whose exact derivatives by a parameter scatter."""
     outputs, of_each = _of_each(asked, np.stack([value, error, scattering, better], axis=-1))
     for output, numbers in zip(outputs, of_each, strict=True):
-        scatters, replaced = numbers[:, 2] > 0.0, numbers[:, 3] > 0.0
+        scatters = numbers[:, 2] > 0.0
+        replaced = scatters & (numbers[:, 3] > 0.0)
         if not scatters.any():
             continue
         largest = np.abs(numbers[scatters, 0]).max()

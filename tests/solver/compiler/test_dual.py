@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from duhamel.solver import UserLaw, laws
+from duhamel.solver import BoucWenLaw, UserLaw, laws
 from duhamel.solver.arrays import Array
 from duhamel.solver.compiler import marks, object_file
 from duhamel.solver.compiler.parts import filled_parts, larger_parts, largest_part, n_parts, part
@@ -149,6 +149,9 @@ def test_parts_of_a_number(call):
 def test_each_law_has_the_slopes_that_it_says(call, name):
     """Of force by coordinate and rate: to rounding, where differences have only eight digits."""
     law = LAWS[name]
+    # Its slope is that of a differential equation, which is solved by steps.
+    by_steps = isinstance(law, BoucWenLaw) and law.exponent != 1.0
+    tolerance = 1e-6 if by_steps else 1e-11
     for c, rate in ((0.13, 0.3), (-0.31, -0.2), (0.62, 1.7), (-0.04, 2.5)):
         point = Point(
             parameters=np.array(law.parameters(), dtype=float),
@@ -160,4 +163,4 @@ def test_each_law_has_the_slopes_that_it_says(call, name):
         call(of_a_law, record, law.number)
         force, by_c, by_rate, _ = record.arrays["out"]
         scale = abs(by_c[0]) + abs(by_rate[0]) + abs(force[0])
-        np.testing.assert_allclose(force[1:], [by_c[0], by_rate[0]], atol=1e-11 * scale)
+        np.testing.assert_allclose(force[1:], [by_c[0], by_rate[0]], atol=tolerance * scale)
