@@ -127,7 +127,7 @@ def study_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(study_schema()["properties"])
-    ['body', 'derived', 'design', 'fit', 'model', 'outputs', 'parameters', 'table']
+    ['body', 'derived', 'design', 'fit', 'model', 'outputs', 'parameters', 'sensitivity', 'table']
     """
     return document_of(StudyTables, "A study file of Duhamel")
 
