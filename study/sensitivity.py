@@ -79,8 +79,7 @@ def sensitivities(
 
     "differences": central differences with steps of 1e-2 to 1e-6 of each parameter. The error is
     the scatter of neighboring steps. That is ten runs for each parameter. "dual": one run with dual
-    numbers, which costs two to six plain ones for up to eight parameters. Superelements are read
-    once.
+    numbers, for all parameters together. Superelements are read once.
 
     Parameters
     ----------
