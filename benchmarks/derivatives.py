@@ -24,11 +24,18 @@ from duhamel.solver import (
     read_model,
     simulate,
 )
+from duhamel.solver.derivatives.run import recorded_rows, run_with_derivatives
+from duhamel.solver.derivatives.seeds import Seeds, start_of
+from duhamel.solver.lower.allocation import make_output
+from duhamel.solver.step.loop import advance
+from duhamel.solver.step.record import record
+from duhamel.solver.step.system import Run
 from duhamel.study import sensitivities
 
 ROOT = Path(__file__).parents[1]
 ROUNDS = 3
 COUNTS = (1, 4, 7)
+NO_SEEDS = Seeds({part: {} for part in ("system", "state", "work", "inputs")}, 0)
 CASE_1 = (
     *("loads.0.signal.values.0", "loads.0.signal.values.2", "bodies.hub.frames.rim.position.0"),
     *("loads.0.signal.times.1", "loads.0.signal.times.2", "loads.0.signal.times.3"),
@@ -79,9 +86,32 @@ def bouncing() -> Model:
     )
 
 
+def loop_ratio(model: Model, k: int) -> float:
+    """The time loop with k derivatives, its rows recorded, over that without."""
+
+    def taken(derivatives: int) -> float:
+        start = start_of(model, recorded_rows)
+        initial = start.initial
+        output = make_output(start.lowered, start.lowered.n_steps + 2)
+        system = start.lowered.system
+        run = Run(system=system, state=initial.state, work=initial.work, output=output)
+        begin = time.process_time()
+        if derivatives:
+            run_with_derivatives(start, [NO_SEEDS] * derivatives, ())
+        else:
+            record(run, 0)
+            advance(run, start.inputs)
+        return time.process_time() - begin
+
+    least = [min(taken(n) for _ in range(1 + ROUNDS)) for n in (k, 0)]
+    return least[0] / least[1]
+
+
 def report(name: str, model: Model, parameters: Sequence[str], outputs: Sequence[str]) -> None:
     run = seconds(lambda: simulate(model))
     print(f"{name}: a run takes {run:.3f} s")
+    loops = ", ".join(f"{k}: {loop_ratio(model, k):.1f}" for k in (1, 4, 8))
+    print(f"    the loop with derivatives, over that without: {loops}")
     for method in ("dual", "differences"):
         ratios = [
             seconds(lambda: sensitivities(model, parameters[:n], outputs, method=method)) / run  # noqa: B023

@@ -394,7 +394,7 @@ def _larger(builder: Any, x: Any, y: Any) -> Any:
     return builder.select(builder.fcmp_ordered(">", y, x), y, x)
 
 
-DUAL_INTRINSICS = {
+DUAL_INTRINSICS: dict[Any, Any] = {
     n_parts: _n_parts,
     part: _part,
     filled_parts: _filled_parts,
