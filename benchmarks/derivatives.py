@@ -34,17 +34,15 @@ from duhamel.study import sensitivities
 
 ROOT = Path(__file__).parents[1]
 ROUNDS = 3
-COUNTS = (1, 4, 7)
+COUNTS = (1, 4)
 NO_SEEDS = Seeds({part: {} for part in ("system", "state", "work", "inputs")}, 0)
 CASE_1 = (
     *("loads.0.signal.values.0", "loads.0.signal.values.2", "bodies.hub.frames.rim.position.0"),
-    *("loads.0.signal.times.1", "loads.0.signal.times.2", "loads.0.signal.times.3"),
-    "bodies.hub.mass",
+    "loads.0.signal.times.1",
 )
 BALL = (
     *("contacts.floor.stiffness", "bodies.ball.mass", "bodies.ball.position.2"),
-    *("simulation.gravity.2", "bodies.ball.inertia.0", "bodies.ball.inertia.1"),
-    "bodies.ball.inertia.2",
+    "simulation.gravity.2",
 )
 
 
