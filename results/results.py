@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -109,6 +109,15 @@ class Results:
             Where it is no results file, or one of another version.
         """
         return cls(FileSource(Path(path)), superelements)
+
+    @property
+    def source(self) -> Source:
+        """What they are read from."""
+        return self._source
+
+    def read_from(self, change: Callable[[Source], Source]) -> "Results":
+        """The same results, read from what a function makes of their source."""
+        return Results(change(self._source), self._superelements)
 
     def __repr__(self) -> str:
         bodies = listed(self.bodies)

@@ -27,6 +27,10 @@ class ModelError(ValueError):
     """A model that contradicts itself; the message names the body, joint or load."""
 
 
+class DerivativeError(ValueError):
+    """A run or a parameter without derivatives by dual numbers; the message says why."""
+
+
 class StateError(ValueError):
     """A state that a run cannot continue from: damaged, or of another model, version or machine.
 

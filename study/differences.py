@@ -35,17 +35,19 @@ class DifferenceSlopes(NamedTuple):
     switches: NDArray[np.bool_]
 
 
-def slopes_of(differences: Array) -> DifferenceSlopes:
+def slopes_of(differences: Array, switching: NDArray[np.bool_] | None = None) -> DifferenceSlopes:
     """The derivatives of m outputs by a parameter.
 
     differences: D of each step and output (5, m), from the widest step on, without a number where
-    a run failed.
+    a run failed; switching (m,): where something is known to switch.
     """
-    found = np.array([_derivative(column) for column in differences.T], dtype=float).reshape(-1, 3)
+    known = np.zeros(differences.shape[1], dtype=bool) if switching is None else switching
+    columns = zip(differences.T, known.tolist(), strict=True)
+    found = np.array([_derivative(*one) for one in columns], dtype=float).reshape(-1, 3)
     return DifferenceSlopes(found[:, 0], found[:, 1], found[:, 2] > 0.0)
 
 
-def _derivative(column: Array) -> tuple[float, float, float]:
+def _derivative(column: Array, switches: bool) -> tuple[float, float, float]:
     whole = np.isfinite(column)
     if whole.sum() < LEAST_STEPS:
         return np.nan, np.inf, 0.0
@@ -53,7 +55,7 @@ def _derivative(column: Array) -> tuple[float, float, float]:
     changes = np.abs(np.diff(values))
     # What moves over the widest step alone moves by jumps.
     jumps = values[0] != 0.0 and not values[1:].any()
-    if jumps or _switches(changes, steps[1:]):
+    if switches or jumps or _switches(changes, steps[1:]):
         return float(values[0]), float(changes[0]), 1.0
     errors = np.maximum(changes[:-1], changes[1:])
     best = int(np.argmin(errors))

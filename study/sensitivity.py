@@ -1,24 +1,30 @@
 """Derivatives of what a run gives by the parameters of its model."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.arrays import Array
 from ..inputs import dotted
+from ..results import Results
 from ..solver import Model, simulate
 from .asked_numbers import AskedNumbers
 from .differences import DIFFERENCE_STEPS, LEAST_STEPS, DifferenceSlopes, slopes_of
+from .dual_slopes import dual_slopes
 from .errors import StudyError
 from .one_model import read_study_of_one_model
 from .outputs import is_series, is_stepwise, units
 from .parametrized import Parametrized, of_function, of_model
 from .runs import runs_at
 
-SENSITIVITY_METHODS = ("differences",)
 SWITCH_NOTE = "switches within the run: the error is that of the widest difference"
+SCATTER_NOTE = "the exact derivative varies by {:.2g} % with where in their steps forces switch"
+MAX_SCATTER = 1e-3
+"""error of a derivative over itself, from where on differences are tried beside it"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +77,9 @@ def sensitivities(
 ) -> Sensitivities:
     """Derivatives of outputs of a run by parameters of its model.
 
-    By central differences with steps of 1e-2 to 1e-6 of each parameter. The error is the scatter of
-    neighboring steps. Superelements are read once. That is ten runs for each parameter.
+    "differences": central differences with steps of 1e-2 to 1e-6 of each parameter. The error is
+    the scatter of neighboring steps. That is ten runs for each parameter. "dual": one run with dual
+    numbers, for all parameters together. Superelements are read once.
 
     Parameters
     ----------
@@ -84,7 +91,7 @@ def sensitivities(
     outputs : mapping or sequence of str
         As in study files, as "max |displacement:beam.tip:hub.rim:y|"; a quantity alone, as
         "angle:pivot:z", is taken over time.
-    method : {"differences"}
+    method : {"differences", "dual"}
     scales : mapping of float, optional
         The size by which steps of a parameter are counted, by default its value. A parameter that
         is 0 needs it.
@@ -97,12 +104,14 @@ def sensitivities(
     ------
     StudyError
         For a key that there is not, or is no number; an output that there is not; and a parameter
-        with which the model cannot run on either side.
+        with which the model cannot run on either side; by dual numbers, what has none.
 
     Notes
     -----
     Where a contact, a stop, a limit or friction switches, a run with fixed steps has another slope
-    than the motion. Steps then scatter: the widest difference is taken, and a note says so.
+    than the motion. Steps then scatter: the widest difference is taken, and a note says so. Dual
+    numbers are then taken at four values nearby too, whose scatter is the error. Where it exceeds a
+    thousandth, differences are tried, and of both that with the smaller error is taken.
 
     Examples
     --------
@@ -113,20 +122,21 @@ def sensitivities(
     >>> found.derivative.round(6).tolist()
     [[0.5]]
     """
-    _check_method(method)
+    take = _taking(method)
     if isinstance(model, Model):
         family = of_model(model, parameters)  # type: ignore[arg-type]
     else:
         family = of_function(model, parameters)  # type: ignore[arg-type]
     named = outputs if isinstance(outputs, Mapping) else {text: text for text in outputs}
-    return by_differences(family, named, scales or {})
+    return take(family, named, scales or {})
 
 
-def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") -> Sensitivities:
+def sensitivities_of(path: str | os.PathLike[str], method: str | None = None) -> Sensitivities:
     """The derivatives of the outputs of a study file by its parameters.
 
     As `sensitivities` takes them, at the values that the study file gives its parameters, the means
-    of their normal distributions, or else those of the model file. `StudyError` names the file.
+    of their normal distributions, or else those of the model file. method: by default that of the
+    study file. `StudyError` names the file.
 
     Examples
     --------
@@ -147,8 +157,8 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
     >>> found.derivative.round(6).tolist()
     [[0.5]]
     """
-    _check_method(method)
     study = read_study_of_one_model(path)
+    take = _taking(method or study.file.sensitivity.method)
     for name, output in study.file.outputs.items():
         if is_series(output):
             raise StudyError(
@@ -162,7 +172,7 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
         if parameter.deviation and not parameter.value
     }
     try:
-        return by_differences(study.parametrized, study.file.outputs, scales)
+        return take(study.parametrized, study.file.outputs, scales)
     except StudyError as error:
         raise StudyError(f"{study.path}: {error}") from error
 
@@ -170,18 +180,56 @@ def sensitivities_of(path: str | os.PathLike[str], method: str = "differences") 
 def by_differences(
     family: Parametrized, outputs: Mapping[str, str], scales: Mapping[str, float]
 ) -> Sensitivities:
-    """The derivatives of a family of models, as `sensitivities` describes them."""
-    if unknown := sorted(scales.keys() - family.values.keys()):
-        raise StudyError(f"scales.{dotted([unknown[0]])}: no parameter has this name")
-    sizes = {name: _scale(name, value, scales) for name, value in family.values.items()}
+    """The derivatives of a family of models by central differences."""
+    sizes = _scales(family, scales)
     # First: it tells what is wrong with the model or the outputs, and warns as runs do.
     results = simulate(family.make(family.values))
     asked = AskedNumbers.of(results, outputs)
-    base = asked.numbers(results)
-    slopes = [_slopes(family, name, scale, asked) for name, scale in sizes.items()]
-    value, over_time = asked.split(base)
-    derivative, derivatives = asked.split(np.stack([one.value for one in slopes], axis=1))
-    error, errors = asked.split(np.stack([one.error for one in slopes], axis=1))
+    found = [_slopes(family, name, scale, asked) for name, scale in sizes.items()]
+    value = np.stack([one.value for one in found], axis=1)
+    error = np.stack([one.error for one in found], axis=1)
+    return _sensitivities(family, results, asked, value, error, _switching(family, found, asked))
+
+
+def by_dual_numbers(
+    family: Parametrized, outputs: Mapping[str, str], scales: Mapping[str, float]
+) -> Sensitivities:
+    """The derivatives of a family of models by dual numbers, where they scatter by differences."""
+    sizes = _scales(family, scales)
+    results = simulate(family.make(family.values))
+    asked = AskedNumbers.of(results, outputs)
+    value, error, found = dual_slopes(family, sizes, asked, results)
+    notes = list(found)
+    for j, (name, scale) in enumerate(sizes.items()):
+        scattering = error[:, j] > MAX_SCATTER * np.abs(value[:, j])
+        if not scattering.any():
+            continue
+        # Where exact derivatives scatter, small steps may well agree on one of them.
+        try:
+            other = _slopes(family, name, scale, asked, scattering)
+        except StudyError:  # valid on one side alone
+            notes += _scattering(name, value[:, j], error[:, j], scattering, ~scattering, asked)
+            continue
+        better = scattering & (other.error < error[:, j])
+        notes += _scattering(name, value[:, j], error[:, j], scattering, better, asked)
+        value[better, j], error[better, j] = other.value[better], other.error[better]
+    return _sensitivities(family, results, asked, value, error, notes)
+
+
+METHODS = {"differences": by_differences, "dual": by_dual_numbers}
+
+
+def _sensitivities(
+    family: Parametrized,
+    results: Results,
+    asked: AskedNumbers,
+    slopes: Array,
+    errors_of_slopes: Array,
+    notes: Iterable[str],
+) -> Sensitivities:
+    value, over_time = asked.split(asked.numbers(results))
+    derivative, derivatives = asked.split(slopes)
+    error, errors = asked.split(errors_of_slopes)
     error[[is_stepwise(text) for text in asked.outputs.values()]] = np.inf
     series = {
         name: SeriesDerivative(abscissa, over_time[name], derivatives[name], errors[name])
@@ -195,11 +243,17 @@ def by_differences(
         derivative,
         error,
         series,
-        (*_switching(family, slopes, asked), *_without_derivative(value, asked)),
+        (*notes, *_without_derivative(value, asked)),
     )
 
 
-def _slopes(family: Parametrized, name: str, scale: float, asked: AskedNumbers) -> DifferenceSlopes:
+def _slopes(
+    family: Parametrized,
+    name: str,
+    scale: float,
+    asked: AskedNumbers,
+    switching: NDArray[np.bool_] | None = None,
+) -> DifferenceSlopes:
     """The derivatives of all numbers by a parameter; `StudyError` where no run can be made."""
     asked.failure = ""
     found = _differences(family, name, scale, asked)
@@ -208,7 +262,7 @@ def _slopes(family: Parametrized, name: str, scale: float, asked: AskedNumbers) 
             f"parameters.{dotted([name])}: the model does not run on both sides of "
             f"{family.values[name]:.9g}: {asked.failure}"
         )
-    return slopes_of(found)
+    return slopes_of(found, switching)
 
 
 def _switching(
@@ -216,11 +270,36 @@ def _switching(
 ) -> Iterator[str]:
     """Lines about outputs whose differences by a parameter scatter."""
     for name, one in zip(family.values, slopes, strict=True):
-        of_outputs, of_series = asked.split(one.switches)
-        switching = [*of_outputs.tolist(), *(part.any() for part in of_series.values())]
-        for output, switches in zip((*asked.outputs, *asked.series), switching, strict=True):
-            if switches:
+        for output, switches in zip(*_of_each(asked, one.switches), strict=True):
+            if switches.any():
                 yield f"{output} by {name}: {SWITCH_NOTE}"
+
+
+def _scattering(
+    name: str,
+    value: Array,
+    error: Array,
+    scattering: NDArray[np.bool_],
+    better: NDArray[np.bool_],
+    asked: AskedNumbers,
+) -> Iterator[str]:
+    """Lines about outputs whose exact derivatives by a parameter scatter."""
+    outputs, of_each = _of_each(asked, np.stack([value, error, scattering, better], axis=-1))
+    for output, numbers in zip(outputs, of_each, strict=True):
+        scatters = numbers[:, 2] > 0.0
+        replaced = scatters & (numbers[:, 3] > 0.0)
+        if not scatters.any():
+            continue
+        largest = np.abs(numbers[scatters, 0]).max()
+        share = numbers[scatters, 1].max() / largest if largest else np.inf
+        taken = "; differences are taken" if replaced.any() else ""
+        yield f"{output} by {name}: {SCATTER_NOTE.format(100.0 * share)}{taken}"
+
+
+def _of_each(asked: AskedNumbers, numbers: NDArray[Any]) -> tuple[list[str], list[NDArray[Any]]]:
+    """The outputs and quantities over time, and the numbers (m, ...) of each."""
+    of_outputs, of_series = asked.split(numbers)
+    return [*asked.outputs, *asked.series], [*of_outputs[:, None], *of_series.values()]
 
 
 def _without_derivative(value: Array, asked: AskedNumbers) -> Iterator[str]:
@@ -232,9 +311,17 @@ def _without_derivative(value: Array, asked: AskedNumbers) -> Iterator[str]:
             yield f"{output} is one of the recorded times, or a count: its error is not known"
 
 
-def _check_method(method: str) -> None:
-    if method not in SENSITIVITY_METHODS:
-        raise StudyError(f"method: expected {' or '.join(SENSITIVITY_METHODS)}, found {method!r}")
+def _taking(method: str) -> Callable[..., Sensitivities]:
+    """What takes derivatives by a method."""
+    if method not in METHODS:
+        raise StudyError(f"method: expected {' or '.join(METHODS)}, found {method!r}")
+    return METHODS[method]
+
+
+def _scales(family: Parametrized, scales: Mapping[str, float]) -> dict[str, float]:
+    if unknown := sorted(scales.keys() - family.values.keys()):
+        raise StudyError(f"scales.{dotted([unknown[0]])}: no parameter has this name")
+    return {name: _scale(name, value, scales) for name, value in family.values.items()}
 
 
 def _scale(name: str, value: float, scales: Mapping[str, float]) -> float:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -35,6 +35,12 @@ class FitTable(Table):
     shift: bool = False
 
 
+class SensitivityTable(Table):
+    """How `duhamel sensitivity` takes derivatives."""
+
+    method: Literal["differences", "dual"] = "differences"
+
+
 class StudyTables(Table):
     """The tables of a study file."""
 
@@ -47,6 +53,7 @@ class StudyTables(Table):
     outputs: dict[str, str] = Field(default_factory=dict)
     fit: FitTable | None = None
     optimize: OptimizeTable | None = None
+    sensitivity: SensitivityTable = SensitivityTable()
 
     @rule
     def _one_of_each(self) -> None:
@@ -122,7 +129,8 @@ def study_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(study_schema()["properties"])
-    ['body', 'derived', 'design', 'fit', 'model', 'optimize', 'outputs', 'parameters', 'table']
+    ['body', 'derived', 'design', 'fit', 'model', 'optimize', 'outputs', 'parameters', 'sensitivity',
+     'table']
     """
     return document_of(StudyTables, "A study file of Duhamel")
 

@@ -76,6 +76,7 @@ ABOUT = {
     "solver/phases": "short and long steps",
     "solver/cosimulation": "FMUs beside the time loop",
     "solver/simulation": "all steps to t_end",
+    "solver/derivatives": "runs with dual numbers",
     "solver/many": "runs on threads",
     "solver/plausibility": "doubts about models",
     "solver/inspection": "what a run would be",

@@ -111,6 +111,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "plausibility",
         "control",
         "simulation",
+        "derivatives",
         "many",
         "inspection",
         "stepper",

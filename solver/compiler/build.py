@@ -11,6 +11,7 @@ type models, attribute and operator templates, `CPUDispatcher`, the default pipe
 """
 
 import gc
+import inspect
 import operator
 import os
 import sys
@@ -38,9 +39,18 @@ from numba.core.typing.templates import (
 from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables
 from numba.extending import intrinsic, models, register_model
 
+from . import dual
 from .calls import call_intrinsic
+from .dual import Dual
 from .foreign import call_by_address
-from .marks import COMPILED_ENTRIES, COMPILED_FUNCTIONS, OBJECT_MARK, Entry
+from .marks import (
+    COMPILED_ENTRIES,
+    COMPILED_FUNCTIONS,
+    DIFFERENTIABLE_ENTRIES,
+    OBJECT_MARK,
+    SKIPPED_WITH_DERIVATIVES,
+    Entry,
+)
 from .memory import copy
 from .struct import ArrayField, Struct
 from .targets import COMPILED_TARGETS, CodeTarget
@@ -69,11 +79,11 @@ INDEX_TYPE = ir.IntType(32)
 
 
 class StructType(types.Type):  # type: ignore[misc]
-    """A pointer to the words of a `Struct`."""
+    """A pointer to the words of a `Struct`, whose numbers have k derivatives."""
 
-    def __init__(self, cls: type[Struct]) -> None:
-        self.cls = cls
-        super().__init__(name=f"{cls.__module__}.{cls.__name__}")
+    def __init__(self, cls: type[Struct], k: int) -> None:
+        self.cls, self.k = cls, k
+        super().__init__(name=f"{cls.__module__}.{cls.__name__}({k})")
 
 
 class View(types.Type):  # type: ignore[misc]
@@ -100,13 +110,24 @@ def main() -> None:
 def build(targets: Iterable[CodeTarget]) -> list[bytes]:
     """An object file of all entries for each target; any exception where numba is not as expected.
 
-    Functions are typed once for all targets, which takes two thirds of the time.
+    Functions are typed once for all targets with as many derivatives, which takes two thirds of the
+    time.
     """
+    modules: dict[int, Any] = {}
+    codes = []
     with _fewer_collections():
-        libraries: list[Any] = []
-        dispatchers = _dispatchers(libraries)
-        module = _linked(_entry_module(dispatchers), libraries)
-        return [_emitted(module.clone(), target) for target in targets]
+        for target in targets:
+            if target.derivatives not in modules:
+                modules[target.derivatives] = _module(target.derivatives)
+            codes.append(_emitted(modules[target.derivatives].clone(), target))
+    return codes
+
+
+def _module(k: int) -> Any:
+    """All entries, of numbers with k derivatives, and what they call."""
+    libraries: list[Any] = []
+    dispatchers = _dispatchers(libraries, k)
+    return _linked(_entry_module(dispatchers, k), libraries)
 
 
 @contextmanager
@@ -123,18 +144,22 @@ def _fewer_collections() -> Iterator[None]:
         gc.unfreeze()
 
 
-def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
+def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inner"]:
     """A dispatcher for every compiled function, by which the others and entries know it."""
+    # Before the contexts look for what is registered.
+    intrinsics = QUICK_INTRINSICS | (_intrinsics_of_derivatives() if k else {})
     typing, target = cpu_target.typing_context, cpu_target.target_context
     typing.refresh()
     target.refresh()
     pipeline = type("Pipeline", (_Pipeline,), {"libraries": libraries})
     dispatchers = {}
     for function in COMPILED_FUNCTIONS:
-        if function in QUICK_INTRINSICS:
-            typing.insert_global(function, typing.resolve_value_type(QUICK_INTRINSICS[function]))
+        if function in intrinsics:
+            typing.insert_global(function, typing.resolve_value_type(intrinsics[function]))
             continue
-        dispatchers[function] = _Inner(function, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
+        skipped = k and function in SKIPPED_WITH_DERIVATIVES
+        compiled = _doing_nothing(function) if skipped else function
+        dispatchers[function] = _Inner(compiled, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
         # By its dispatcher a function is known to the others before it is compiled itself.
         typing.insert_global(function, types.Dispatcher(dispatchers[function]))
     for entry in COMPILED_ENTRIES.values():
@@ -142,15 +167,24 @@ def _dispatchers(libraries: list[Any]) -> dict[Callable[..., Any], "_Inner"]:
     return dispatchers
 
 
-def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"]) -> Any:
+def _doing_nothing(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of the same arguments that returns nothing, or False."""
+    arguments = inspect.signature(function)
+    names: dict[str, Any] = {}
+    returned = None if arguments.return_annotation is None else False
+    exec(f"def nothing({', '.join(arguments.parameters)}):\n    return {returned}", names)
+    return names["nothing"]  # type: ignore[no-any-return]
+
+
+def _entry_module(dispatchers: dict[Callable[..., Any], "_Inner"], k: int) -> Any:
     """Compile all entries, and with them what they call; a module of functions of words."""
     target = cpu_target.target_context
     module = ir.Module("entries")
     module.triple = llvm.get_process_triple()
     module.data_layout = target.codegen()._data_layout
-    for entry in COMPILED_ENTRIES.values():
+    for entry in (DIFFERENTIABLE_ENTRIES if k else COMPILED_ENTRIES).values():
         dispatcher = dispatchers[entry.function]
-        arguments = tuple(_numba_type(kind) for kind in entry.arguments.values())
+        arguments = tuple(_numba_type(kind, k) for kind in entry.arguments.values())
         dispatcher.compile(arguments)
         _write_entry(target, module, entry, dispatcher.overloads[arguments])
     return module
@@ -298,12 +332,14 @@ class _Inner(CPUDispatcher):  # type: ignore[misc]
 register_model(StructType)(models.OpaqueModel)
 
 
-def _numba_type(kind: Any) -> Any:
+def _numba_type(kind: Any, k: int) -> Any:
+    """Of an argument or a field; numbers of arrays have k derivatives, unless they are real."""
     if kind in (float, int, bool):
         return {float: types.float64, int: types.int64, bool: types.int64}[kind]
-    if isinstance(kind, ArrayField):
-        return View(types.float64 if kind.dtype == np.float64 else types.int64, len(kind.dims))
-    return StructType(kind)
+    if not isinstance(kind, ArrayField):
+        return StructType(kind, k)
+    number = types.float64 if kind.is_real or not k else Dual(k)
+    return View(number if kind.dtype == np.float64 else types.int64, len(kind.dims))
 
 
 @infer_getattr
@@ -313,7 +349,7 @@ class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
     def generic_resolve(self, typ: Any, attr: str) -> Any:
         # A bool is a word like all numbers: memory has no smaller pieces.
         field = typ.cls.layout.get(attr)
-        return None if field is None else _numba_type(field[1])
+        return None if field is None else _numba_type(field[1], typ.k)
 
 
 @lower_getattr_generic(StructType)  # type: ignore[untyped-decorator]
@@ -331,10 +367,11 @@ def _field(context: Any, builder: Any, typ: Any, pointer: Any, attr: str) -> Any
         return word(first, DOUBLE if kind is float else WORD)
     if not isinstance(kind, ArrayField):
         return builder.gep(pointer, [INDEX_TYPE(8 * first)], inbounds=True)
-    data = word(first, (DOUBLE if kind.dtype == np.float64 else WORD).as_pointer())
+    view = _numba_type(kind, typ.k)
+    data = word(first, context.get_value_type(types.CPointer(view.dtype)))
     numbers = iter(range(first + 1, first + kind.n_words))
     shape = [WORD(dim) if isinstance(dim, int) else word(next(numbers), WORD) for dim in kind.dims]
-    return _packed(context, builder, _numba_type(kind), data, shape)
+    return _packed(context, builder, view, data, shape)
 
 
 # Arrays: elements, rows, one slice at the end of an index, one number for a whole view, len.
@@ -382,7 +419,10 @@ class _GetItem(AbstractTemplate):  # type: ignore[misc]
 class _SetItem(AbstractTemplate):  # type: ignore[misc]
     def generic(self, args: Any, kws: Any) -> Any:
         taken = _taken(*args[:2])
-        return taken and signature(types.none, args[0], args[1], args[0].dtype)
+        value = args[0].dtype if taken else None
+        if isinstance(args[2], Dual) and value == types.float64:
+            value = args[2]  # its derivatives are dropped
+        return taken and signature(types.none, args[0], args[1], value)
 
 
 @infer_global(len)
@@ -399,20 +439,33 @@ def _len(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 @lower_builtin(operator.getitem, View, types.Any)  # type: ignore[untyped-decorator]
 def _getitem(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     place, shape = _place(context, builder, sig, args)
-    if not shape:
-        return builder.load(place, align=8)
-    return _packed(context, builder, sig.return_type, place, shape)
+    if shape:
+        return _packed(context, builder, sig.return_type, place, shape)
+    if isinstance(sig.return_type, Dual):
+        return dual.load(builder, place, sig.return_type.k)
+    return builder.load(place, align=8)
 
 
 @lower_builtin(operator.setitem, View, types.Any, types.Any)  # type: ignore[untyped-decorator]
 def _setitem(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     place, shape = _place(context, builder, sig, args)
-    value = context.cast(builder, args[2], sig.args[2], sig.args[0].dtype)
+    kind = sig.args[0].dtype
+    if isinstance(sig.args[2], Dual) and kind == types.float64:
+        value, _ = dual.split(builder, args[2])
+    else:
+        value = context.cast(builder, args[2], sig.args[2], kind)
+
+    def store(at: Any) -> None:
+        if isinstance(kind, Dual):
+            dual.store(builder, value, at, kind.k)
+        else:
+            builder.store(value, at, align=8)
+
     if not shape:
-        builder.store(value, place, align=8)
+        store(place)
         return
     with cgutils.for_range(builder, _product(builder, shape)) as loop:
-        builder.store(value, builder.gep(place, [loop.index], inbounds=True), align=8)
+        store(builder.gep(place, [loop.index], inbounds=True))
 
 
 def _place(context: Any, builder: Any, sig: Any, args: Any) -> tuple[Any, list[Any]]:
@@ -451,11 +504,14 @@ def _product(builder: Any, numbers: list[Any]) -> Any:
 @intrinsic  # type: ignore[untyped-decorator]
 def _copy(typing: Any, source: Any, out: Any) -> Any:
     """out[...] = source"""
+    if source.dtype != out.dtype:
+        raise TypeError(f"copy: {source} is not {out}")
+    numbers = 1 + source.dtype.k if isinstance(source.dtype, Dual) else 1
 
     def generate(context: Any, builder: Any, _: Any, args: Any) -> Any:
         shape = [builder.extract_value(args[0], 1 + i) for i in range(source.ndim)]
         to, from_ = (builder.extract_value(arg, 0) for arg in (args[1], args[0]))
-        cgutils.raw_memcpy(builder, to, from_, _product(builder, shape), WORD(8))
+        cgutils.raw_memcpy(builder, to, from_, _product(builder, shape), WORD(8 * numbers))
         return context.get_dummy_value()
 
     return types.none(source, out), generate
@@ -466,8 +522,29 @@ def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, An
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
+@intrinsic  # type: ignore[untyped-decorator]
+def _no_call(
+    typing: Any, address: Any, parameters: Any, memory: Any, h: Any, c: Any, rate: Any
+) -> Any:
+    """Functions of users have no derivatives: what they give is no number."""
+    kind = types.UniTuple(types.float64, 4)
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.make_tuple(builder, kind, [ir.Constant(DOUBLE, float("nan"))] * 4)
+
+    return kind(address, parameters, memory, h, c, rate), generate
+
+
 QUICK_INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
 """what stands for functions that are not compiled as they are written"""
+
+
+def _intrinsics_of_derivatives() -> dict[Callable[..., Any], Any]:
+    """What does beside these where numbers have derivatives."""
+    # Without them numba need not look at dual numbers in each operation.
+    from .dual_arithmetic import DUAL_INTRINSICS
+
+    return {call_by_address: _no_call, **DUAL_INTRINSICS}
 
 
 def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:
@@ -484,8 +561,8 @@ def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:
         if kind in (float, int, bool):
             arguments.append(next(given))
         elif isinstance(kind, ArrayField):
-            element = DOUBLE if kind.dtype == np.float64 else WORD
-            data = builder.inttoptr(next(given), element.as_pointer())
+            pointer = context.get_value_type(types.CPointer(type_.dtype))
+            data = builder.inttoptr(next(given), pointer)
             shape = [WORD(dim) if isinstance(dim, int) else next(given) for dim in kind.dims]
             arguments.append(_packed(context, builder, type_, data, shape))
         else:
@@ -500,6 +577,9 @@ def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:
         parts = [(builder.extract_value(out, i), kind) for i, kind in enumerate(returned)]
     for i, (value, kind) in enumerate(parts):
         if kind != types.none:
-            number = context.cast(builder, value, kind, types.float64)
+            if isinstance(kind, Dual):
+                number, _ = dual.split(builder, value)
+            else:
+                number = context.cast(builder, value, kind, types.float64)
             builder.store(number, builder.gep(function.args[0], [WORD(i)]))
     builder.ret_void()

@@ -20,6 +20,8 @@ from .targets import COMPILED_TARGETS, HOST_TARGET, SHIPPED_TARGETS
 
 COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
 """the files of this folder that machine code depends on"""
+DERIVATIVE_FILES = ("dual", "dual_arithmetic")
+"""those that it depends on beside these where numbers have derivatives"""
 OBJECT_DIGEST_BYTES = 32
 """bytes at the end of a file: the SHA-256 of all before it"""
 
@@ -29,7 +31,9 @@ def key(target: str = HOST_TARGET) -> str:
     """A digest of all that the machine code for a target depends on (16 hexadecimal digits)."""
     kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    compiler = [Path(__file__).with_name(f"{name}.py") for name in COMPILER_FILES]
+    derivatives = COMPILED_TARGETS[target].derivatives
+    names = (*COMPILER_FILES, *(DERIVATIVE_FILES if derivatives else ()))
+    compiler = [Path(__file__).with_name(f"{name}.py") for name in names]
     digest = hashlib.sha256()
     # Sorted, so that the digest does not depend on the order of imports.
     for source in sorted({*sources, *compiler}):
@@ -39,6 +43,7 @@ def key(target: str = HOST_TARGET) -> str:
     # Code that is shipped was made elsewhere: it is the same whatever is installed here.
     versions = [] if target in SHIPPED_TARGETS else _versions()
     digest.update(repr((layouts, versions, *_machine(target))).encode())
+    digest.update(bytes([derivatives] if derivatives else []))
     return digest.hexdigest()[:16]
 
 

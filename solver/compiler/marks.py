@@ -20,11 +20,24 @@ OBJECT_MARK = b"object file of duhamel\n"
 """what the process that builds writes ahead of the object file"""
 COMPILED_ENTRIES: dict[str, "Entry"] = {}
 """entries by the name that they have in the object file"""
+SKIPPED_WITH_DERIVATIVES: set[Callable[..., Any]] = set()
+"""those that do nothing where numbers have derivatives"""
+DIFFERENTIABLE_ENTRIES: dict[str, "Entry"] = {}
+"""those of them that are also compiled with derivatives"""
 
 
 def compiled(function: Function) -> Function:
     """Register a function that compiled code calls; called from Python, it runs as Python."""
     COMPILED_FUNCTIONS[function] = None
+    return function
+
+
+def without_derivatives(function: Function) -> Function:
+    """Mark a compiled function that does nothing, or returns False, in code with derivatives.
+
+    Models that need it are refused there; to compile it would take as long as all else.
+    """
+    SKIPPED_WITH_DERIVATIVES.add(function)
     return function
 
 
@@ -34,6 +47,13 @@ def entry(function: Function) -> Function:
     made = Entry(function)
     COMPILED_ENTRIES[made.symbol] = made
     return cast(Function, made)
+
+
+def differentiable(made: Function) -> Function:
+    """Register an entry that is also compiled with derivatives; all its arguments are records."""
+    of_records = cast("Entry", made)
+    DIFFERENTIABLE_ENTRIES[of_records.symbol] = of_records
+    return made
 
 
 class Entry:

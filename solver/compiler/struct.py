@@ -30,6 +30,8 @@ class ArrayField(NamedTuple):
 
     dims: tuple[int | str, ...]
     dtype: Any
+    is_real: bool = False
+    """without derivatives where other arrays have them"""
 
     @property
     def n_words(self) -> int:
@@ -68,21 +70,35 @@ def _dimensions(
     return constant, tuple(i for i, dim in enumerate(dims) if not isinstance(dim, int))
 
 
-def array(*dims: int | str) -> Any:
-    """Declares the dimensions of an array in a `Struct`: `x: Array = array("n_b", 3)`."""
-    return dims
+class Declared(NamedTuple):
+    """An array in a `Struct`, as `array` declares it."""
+
+    dims: tuple[int | str, ...]
+    is_real: bool = False
 
 
-def field_kind(annotation: Any, dims: tuple[int | str, ...] = ("n",)) -> Any:
+ONE_DIMENSION = Declared(("n",))
+
+
+def array(*dims: int | str, real: bool = False) -> Any:
+    """Declares the dimensions of an array in a `Struct`: `x: Array = array("n_b", 3)`.
+
+    real: where numbers have derivatives, these have none. They are dropped from what is put there:
+    for what results do not depend on, as Newton's matrix.
+    """
+    return Declared(dims, real)
+
+
+def field_kind(annotation: Any, declared: Declared = ONE_DIMENSION) -> Any:
     """float, int, bool, an `ArrayField`, or the class of a `Struct`; `TypeError` for all else."""
     if annotation in (float, int, bool):
         return annotation
     if isinstance(annotation, type) and issubclass(annotation, Struct):
         return annotation
     if annotation == Array:
-        return ArrayField(dims, np.float64)
+        return ArrayField(declared.dims, np.float64, declared.is_real)
     if annotation == Index:
-        return ArrayField(dims, np.int64)
+        return ArrayField(declared.dims, np.int64)
     raise TypeError(f"expected float, int, bool, Array, Index or a Struct, found {annotation}")
 
 
@@ -112,7 +128,7 @@ class Struct:
             cls.layout[name] = cls.n_words, array_field
             cls.n_words += array_field.n_words
         for name, annotation in cls.__annotations__.items():
-            kind = field_kind(annotation, cls.__dict__.get(name, ("n",)))
+            kind = field_kind(annotation, cls.__dict__.get(name, ONE_DIMENSION))
             if name in cls.__dict__:
                 # The default, dimensions, would hide a field that is missing in an instance.
                 delattr(cls, name)

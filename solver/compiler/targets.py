@@ -9,11 +9,13 @@ class CodeTarget:
     """A system by its LLVM triple and a processor by its LLVM name; "": that of this machine.
 
     is_loaded: without a linker, into this process; all other code is position-independent.
+    derivatives: of each number, beside its value; 0: the time step as runs take it.
     """
 
     triple: str = ""
     cpu: str = ""
     is_loaded: bool = False
+    derivatives: int = 0
 
 
 LINUX_TRIPLE, WINDOWS_TRIPLE = "x86_64-unknown-linux-gnu", "x86_64-w64-windows-gnu"
@@ -25,8 +27,11 @@ SHIPPED_TARGETS = {
     "shipped-aarch64-darwin": CodeTarget("arm64-apple-macosx11.0.0", "apple-m1", is_loaded=True),
 }
 """those whose code is in wheels, by SYSTEM and processor"""
+DERIVATIVE_COUNTS = (1, 4, 8, 16)
+"""derivatives that a number may have: one, or vectors as processors have them"""
 COMPILED_TARGETS = {
     HOST_TARGET: CodeTarget(is_loaded=True),
+    **{f"derivatives-{k}": CodeTarget(is_loaded=True, derivatives=k) for k in DERIVATIVE_COUNTS},
     "native": CodeTarget(),
     "x86_64-linux": CodeTarget(LINUX_TRIPLE, "x86-64-v3"),
     "x86_64-linux-v2": CodeTarget(LINUX_TRIPLE, "x86-64-v2"),

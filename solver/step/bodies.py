@@ -13,6 +13,7 @@ Source: docs/theory.md, The time step.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from ..compiler.parts import larger_parts
 from .measure import SUM_ROUNDING, relative
 from .newmark import (
     end_pseudo_acceleration,
@@ -226,10 +227,9 @@ def largest_correction(pattern: Pattern, size: float, work: Workspace) -> float:
     for b in range(len(pattern.body)):
         first = pattern.first[pattern.body[b]]
         for i in range(3):
-            translation = abs(work.matrix.rhs[first + i])
+            largest = larger_parts(largest, work.matrix.rhs[first + i])
             # An angle is weighed by the displacement that it causes at the edge of the model.
-            rotation = size * abs(work.matrix.rhs[first + 3 + i])
-            largest = max(largest, translation, rotation)
+            largest = larger_parts(largest, size * work.matrix.rhs[first + 3 + i])
     return largest
 
 
@@ -240,6 +240,26 @@ def largest_coordinate(bodies: Bodies, state: State) -> float:
     for b in range(len(state.bodies.x)):
         for i in range(3):
             largest = max(largest, abs(state.bodies.x[b, i]))
+    return largest
+
+
+@compiled
+def largest_motion(bodies: Bodies, h: float, state: State) -> float:
+    """The largest coordinate or rotation times the size of the model, in each part of a number.
+
+    Its derivatives are the scales of the rounding of those of positions. Rates and accelerations
+    count by what they move in a step: at the start positions may depend on no parameter.
+    """
+    motion, largest = state.bodies, 0.0
+    for b in range(len(motion.x)):
+        for i in range(3):
+            largest = larger_parts(largest, motion.x[b, i])
+        for i in range(4):
+            largest = larger_parts(largest, 2.0 * bodies.size * motion.quaternion[b, i])
+        for i in range(6):
+            length = h if i < 3 else h * bodies.size
+            largest = larger_parts(largest, length * motion.v[b, i])
+            largest = larger_parts(largest, h * length * motion.v_dot[b, i])
     return largest
 
 

@@ -13,6 +13,7 @@ p_n and p_{n+1}.
 from ..arrays import Array
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
+from ..compiler.parts import largest_part
 from .chains import chain_energy, hold_chains, stretch_chains
 from .records.elastic import Elastic
 from .records.scheme import Scheme
@@ -194,7 +195,7 @@ def flush_denormals(state: State) -> None:
 @compiled
 def _flush(values: Array) -> None:
     for i in range(len(values)):
-        values[i] = values[i] if abs(values[i]) > NEGLIGIBLE_AMPLITUDE else 0.0
+        values[i] = values[i] if largest_part(values[i]) > NEGLIGIBLE_AMPLITUDE else 0.0
 
 
 @compiled

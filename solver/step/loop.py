@@ -1,6 +1,6 @@
 """The time loop: generalized-alpha on the rotation group (docs/theory.md, The time step)."""
 
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled, differentiable, entry
 from ..compiler.memory import copy
 from .bodies import finish_bodies, predict_bodies
 from .contacts import approaches, is_closed, release_open, settle_contacts
@@ -28,6 +28,7 @@ OTHER_SIZE = -1.0
 """in place of a residual: the next step is one of the other size"""
 
 
+@differentiable
 @entry
 def advance(run: Run, inputs: Inputs) -> tuple[int, float]:
     """Take one step per row of the inputs: the number of steps taken, the residual of the last.

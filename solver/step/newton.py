@@ -19,7 +19,15 @@ from enum import IntEnum
 
 from ..compiler.marks import compiled, entry
 from ..compiler.memory import copy
-from .bodies import accelerate, largest_coordinate, largest_correction, move_body, set_body_rhs
+from ..compiler.parts import filled_parts, n_parts, part
+from .bodies import (
+    accelerate,
+    largest_coordinate,
+    largest_correction,
+    largest_motion,
+    move_body,
+    set_body_rhs,
+)
 from .contacts import has_switched, note_status
 from .couplings import move_multipliers, set_coupling_rhs
 from .elimination import factorize, substitute
@@ -32,6 +40,10 @@ NEGLIGIBLE_CORRECTION = 1e-15
 """correction over the largest coordinate that is lost in the rounding of positions"""
 STALLED_RATIO = 0.5
 """ratio of successive corrections above which more of them do not help"""
+SLOPE_ROUNDING = 1e-11
+"""correction of a derivative over the largest one of a coordinate from where on it may stall"""
+MAX_SLOPE_ERROR = 1e-7
+"""the same where the largest number of iterations is done: above, derivatives have failed"""
 MAX_FIXED_RESIDUAL = 1.0
 """relative residual from which on a fixed number of iterations has failed"""
 
@@ -80,7 +92,7 @@ def _iterate(
     [m]. The residual is infinite where the iteration failed.
     """
     # Infinite, so that the first correction is never taken for a stalled one.
-    change = previous = math.inf
+    change = previous = filled_parts(work.matrix.rhs[0], math.inf)
     iterations = 0
     while True:
         # Far from the solution, friction on light bodies can oscillate between stick and slip. With
@@ -91,7 +103,16 @@ def _iterate(
         # Errors of old factors do not square: below the tolerance corrections still help until they
         # no longer shrink.
         is_at_rest = change <= NEGLIGIBLE_CORRECTION * reach or change > STALLED_RATIO * previous
+        is_whole = True
+        if n_parts(change) > 1:
+            # Derivatives go on where values rest, which may not move at all.
+            scale = largest_motion(system.bodies, system.scheme.h, state)
+            is_fast = is_fast and _are_slopes_fast(change, previous, reuse, scale)
+            is_at_rest = is_at_rest and _are_slopes_at_rest(change, previous, scale)
+            is_whole = _are_slopes_below(change, MAX_SLOPE_ERROR, scale)
         outcome, residual = _judge(system, iterations, is_at_rest, reach, state, work)
+        if outcome == Outcome.CONVERGED and not is_whole:
+            outcome = Outcome.FAILED
         if outcome == Outcome.CONVERGED:
             work.matrix.current[0] = int(is_fast)
         if outcome == Outcome.CORRECTABLE and not _has_factors(system, is_fast, state, work):
@@ -100,6 +121,39 @@ def _iterate(
             return outcome, iterations, residual
         previous, change = change, correct(system, state, work)
         iterations += 1
+
+
+@compiled
+def _are_slopes_fast(change: float, previous: float, reuse: float, scale: float) -> bool:
+    """Whether corrections of all derivatives shrink fast enough with the factors at hand."""
+    for i in range(1, n_parts(change)):
+        allowed = max(reuse * part(previous, i), SLOPE_ROUNDING * part(scale, i))
+        if part(change, i) > allowed:
+            return False
+    return True
+
+
+@compiled
+def _are_slopes_at_rest(change: float, previous: float, scale: float) -> bool:
+    """Whether another correction is not expected to help any derivative.
+
+    One that stalls above rounding waits for new factors: those of values that rest may be old.
+    """
+    for i in range(1, n_parts(change)):
+        own = part(change, i)
+        stalled = own > STALLED_RATIO * part(previous, i) and own <= SLOPE_ROUNDING * part(scale, i)
+        if own > NEGLIGIBLE_CORRECTION * part(scale, i) and not stalled:
+            return False
+    return True
+
+
+@compiled
+def _are_slopes_below(change: float, bound: float, scale: float) -> bool:
+    """Whether the last corrections of all derivatives were less than a bound of their scale."""
+    excess = 0.0
+    for i in range(1, n_parts(change)):
+        excess = max(excess, part(change, i) - bound * part(scale, i))
+    return excess <= 0.0
 
 
 @compiled

@@ -1,7 +1,7 @@
 """The state of a step as a row of the output."""
 
 from ..arrays import Array
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled, differentiable, entry
 from ..compiler.memory import copy
 from .bodies import momentum
 from .contacts import beyond_dent
@@ -22,6 +22,7 @@ from .surface_results import record_surfaces
 from .system import Run, State, System, Workspace
 
 
+@differentiable
 @entry
 def record(run: Run, k: int) -> None:
     """Write the present state into row k of the output."""

@@ -143,7 +143,12 @@ def test_a_function_makes_the_models():
         (["loads.0.signal"], ["final angle:hinge:z"], {}, "hinge"),
         (["loads.0.signal"], [], {}, "outputs: expected at least one, found none"),
         (["loads.0.signal"], ["final angle:lever:z"], {"scales": {"x": 1.0}}, "scales.x: no para"),
-        (["loads.0.signal"], ["final angle:lever:z"], {"method": "dual"}, "method: expected diff"),
+        (
+            ["loads.0.signal"],
+            ["final angle:lever:z"],
+            {"method": "adjoint"},
+            "method: expected diff",
+        ),
         # The largest moment of inertia is at most the sum of the others.
         (["bodies.lever.inertia.0"], ["final angle:lever:z"], {"scales": None}, None),
     ],

@@ -66,6 +66,6 @@ class BodyWork(Struct):
     """quaternion of psi of one body"""
     T_inverse: Array = array(3, 3)
     """inverse tangent T^-1(psi) of one body"""
-    inertia: Array = array(3, 3)
+    inertia: Array = array(3, 3, real=True)
     """derivative of the inertial moments of one body by delta psi, or another matrix of moments of
     inertia"""

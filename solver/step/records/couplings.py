@@ -147,9 +147,9 @@ class CouplingWork(Struct):
     """1: the ball was last beyond an end of the shape, or came in from there"""
     slip_axis: Array = array("n_i", 3)
     """axis from which the directions of slip are taken, in the axes of frame A"""
-    normal_slope: Array = array("n_i")
+    normal_slope: Array = array("n_i", real=True)
     """derivative of the normal force of friction by each multiplier"""
-    Z: Array = array("n_i", 8)
+    Z: Array = array("n_i", 8, real=True)
     """derivative of the residual of a row with friction by the multipliers of its coupling"""
     near: Array = array("n_i")
     """coordinates expected at the end of the step, to which angles are the nearest [m, rad]"""
@@ -167,20 +167,20 @@ class CouplingWork(Struct):
     """second time derivative of phi where no body accelerates [m/s^2, rad/s^2]"""
     wrench: Array = array("n_j", 6)
     """force [N] and moment [N m] of each coupling on its second frame, in space"""
-    B: Array = array("n_i", 24)
+    B: Array = array("n_i", 24, real=True)
     """derivative of the coordinates by the generalized coordinates of frames A and B"""
-    B_rate: Array = array("n_i", 24)
+    B_rate: Array = array("n_i", 24, real=True)
     """derivative of the rates by the generalized coordinates of frames A and B"""
-    A: Array = array("n_i", 24)
+    A: Array = array("n_i", 24, real=True)
     """derivative of phi by the generalized coordinates of frames A and B; h^2 times that for a
     force law"""
-    tangent: Array = array(12, 12)
+    tangent: Array = array(12, 12, real=True)
     """derivative of the wrenches of one coupling on frames A and B by their (delta r, delta
     theta), in space, at constant multipliers"""
-    rate_tangent: Array = array(12, 12)
+    rate_tangent: Array = array(12, 12, real=True)
     """derivative of the wrenches of one row on frames A and B by their (delta r, delta theta), in
     space, at a multiplier of 1"""
-    rate_gradient: Array = array(12)
+    rate_gradient: Array = array(12, real=True)
     """derivative of the rate of one row by (r, theta) of frames A and B"""
     slope_gradient: Array = array(12)
     """gradient of one driven row whose axis is turned a quarter turn ahead"""
@@ -197,7 +197,7 @@ class TermWork(Struct):
     """[m/s, rad/s]"""
     gradient: Array = array("n_terms", 12)
     """derivative of the coordinates by (r, theta) of frames A and B, in space"""
-    B: Array = array("n_terms", 24)
+    B: Array = array("n_terms", 24, real=True)
     """derivative of the coordinates by the generalized coordinates of frames A and B"""
 
 

@@ -44,11 +44,11 @@ class FrameWork(Struct):
     """velocity [m/s] and angular velocity [rad/s], in space"""
     A: Array = array("n_f", 6)
     """time derivative of V [m/s^2, rad/s^2], in space"""
-    rate_map: Array = array("n_f", 6, 12)
+    rate_map: Array = array("n_f", 6, 12, real=True)
     """derivative of V by the coordinates delta X, delta Theta, delta u, delta w, in body axes"""
-    half_tangent: Array = array(12, 24)
+    half_tangent: Array = array(12, 24, real=True)
     """derivative of the wrenches on two frames, in space, by the coordinates of both frames"""
-    pair_tangent: Array = array(24, 24)
+    pair_tangent: Array = array(24, 24, real=True)
     """derivative of the generalized forces on two frames by the coordinates of both frames"""
     small_rotation: Array = array(3, 3)
     """rotation matrix exp(skew(w)) of the elastic rotation of one frame"""

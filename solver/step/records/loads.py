@@ -69,12 +69,12 @@ class LoadWork(Struct):
 
     value: Array = array("n_y")
     """signals at the end of the step: those of loads on frames, then those of patterns"""
-    tangent: Array = array(3, 12)
+    tangent: Array = array(3, 12, real=True)
     """derivative of one load by (delta r, delta theta) and the velocities of its frame, in space"""
-    forces_by_motion: Array = array(12, 12)
+    forces_by_motion: Array = array(12, 12, real=True)
     """row j: generalized forces per unit of motion j of the frame, (delta r, delta theta) and
     velocities, in space"""
-    frame_tangent: Array = array(12, 12)
+    frame_tangent: Array = array(12, 12, real=True)
     """derivative of the generalized forces of one load by the coordinates of its frame"""
     motion: Array = array(3)
     """displacement [m] or rotation vector [rad] of one loaded frame or body in a step, in space"""

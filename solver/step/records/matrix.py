@@ -55,13 +55,13 @@ class Pattern(Struct):
 class MatrixWork(Struct):
     """Newton's matrix, its factors and right-hand side."""
 
-    S: Array = array("n_numbers")
+    S: Array = array("n_numbers", real=True)
     """numbers of all blocks, or of their factors"""
     pivots: Index = array("n_unknowns")
     """row of its block that each row was exchanged with"""
     rhs: Array = array("n_unknowns")
     """right-hand side, then corrections, in the order of the nodes"""
-    force_rows: Array = array("n_force_rows")
+    force_rows: Array = array("n_force_rows", real=True)
     """copy of the rows of one block that belong to active dofs"""
     current: Index = array(1)
     """1: S holds factors that may be used again"""

@@ -1,0 +1,186 @@
+"""A run whose numbers have derivatives by parameters: what it records, beside the values."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...results.batches import STORED_ENERGIES
+from ..arrays import Array, Index
+from ..compiler.targets import DERIVATIVE_COUNTS
+from ..errors import DerivativeError
+from ..lower.allocation import make_output
+from ..lower.lower import LoweredModel
+from ..output.events import EVENT_COLUMNS
+from ..step.loop import advance
+from ..step.record import record
+from ..step.system import Inputs, Run
+from .records import DualRecord, entry_symbol, entry_with_derivatives
+from .seeds import Seeds, Start
+
+ROWS_AT_ONCE = 256
+"""steps between which those rows are kept that are asked for; all of them are recorded before"""
+STATES = ("contact_state", "friction_state", "motor_state")
+"""arrays of `Output` that tell whether something switched"""
+EVENT_ARRAYS = ("n_events", "event_contact", "event")
+WHILE_CLOSED = {
+    "start": "begin",
+    "peak": "peak",
+    "impulse": "impulse",
+    "closing_speed": "closing_speed",
+}
+"""numbers of an event that a contact has which is still closed, by their arrays in the state"""
+
+
+@dataclass(frozen=True, eq=False)
+class DualRun:
+    """Rows and events of a run, each number followed by its derivatives.
+
+    lowered: the model; steps (n,): of the rows; arrays (n, ..., 1 + k): by their names in `Output`;
+    owners (m,), events (m, 9, 1 + k): as in `EventRows`; switches: whether a contact, friction or
+    the limit of a motor changed its state in any step.
+    """
+
+    lowered: LoweredModel
+    steps: Index
+    arrays: Mapping[str, Array]
+    owners: Index
+    events: Array
+    switches: bool
+
+
+def recorded_rows(lowered: LoweredModel) -> Index:
+    """The row of each step from the first on, -1: none; row 0 is that of the start."""
+    n = lowered.n_steps
+    steps = np.arange(1, n + 1)
+    recorded = (steps % lowered.model.settings.output.every == 0) | (steps == n)
+    return np.where(recorded, np.cumsum(recorded), -1)
+
+
+def run_with_derivatives(start: Start, seeds: Sequence[Seeds], names: Iterable[str]) -> DualRun:
+    """Take all steps of a run, with derivatives by the parameters of some seeds.
+
+    names: the arrays of `Output` that are kept. `DerivativeError` where it fails.
+    """
+    k = count_for(len(seeds))
+    lowered, initial, rows = start.lowered, start.initial, start.inputs.row
+    output = make_output(lowered, ROWS_AT_ONCE)
+    plain = Run(system=lowered.system, state=initial.state, work=initial.work, output=output)
+    run = DualRecord(plain, k, _joined(seeds, k, ("system", "state", "work")))
+    signals = _joined(seeds, k, ("inputs",), prefixed=False)
+    take, write = (entry_with_derivatives(entry_symbol(one), k) for one in (advance, record))
+    kept = _Kept(run, tuple(dict.fromkeys((*names, *STORED_ENERGIES))))
+    write(run, 0)
+    kept.take_rows(np.zeros(1, dtype=np.int64), np.ones(1, dtype=bool))
+    done = 0
+    while done < len(rows):
+        part = slice(done, min(done + ROWS_AT_ONCE, len(rows)))
+        n = part.stop - done
+        inputs = DualRecord(
+            _part_of(start.inputs, part), k, {name: a[part] for name, a in signals.items()}
+        )
+        taken = int(take(run, inputs)[0])
+        kept.take_rows(1 + done + np.arange(taken), rows[done : done + taken] >= 0)
+        # It returns early where its list of events is full.
+        if not kept.take_events() and taken < n:
+            raise DerivativeError(
+                f"with derivatives, Newton's method does not converge in step {done + taken + 1}"
+            )
+        done += taken
+    return kept.run(lowered)
+
+
+def count_for(n: int) -> int:
+    """The derivatives that numbers have for so many parameters."""
+    return next(count for count in DERIVATIVE_COUNTS if count >= n)
+
+
+class _Kept:
+    """What is kept of a run: some arrays of its rows, and its events."""
+
+    def __init__(self, run: DualRecord, names: Sequence[str]) -> None:
+        self._run = run
+        self._steps: list[Index] = []
+        self._rows: dict[str, list[Array]] = {name: [] for name in names}
+        self._owners: list[Index] = []
+        self._events: list[Array] = []
+        self._states: dict[str, Array] = {}
+        self._switches = False
+
+    def take_rows(self, steps: Index, recorded: NDArray[np.bool_]) -> None:
+        """Keep those of the first rows of the output that are recorded; of which steps they are."""
+        self._steps.append(steps[recorded])
+        output = {name: self._run.arrays[f"output/{name}"] for name in (*self._rows, *STATES)}
+        for name, rows in self._rows.items():
+            rows.append(output[name][: len(steps)][recorded])
+        for name in STATES:
+            # From the last row of the rows before.
+            states = np.concatenate(
+                [self._states.get(name, output[name][:1]), output[name][: len(steps)]]
+            )
+            self._switches |= bool((states[1:] != states[:-1]).any())
+            self._states[name] = states[-1:].copy()
+
+    def take_events(self) -> int:
+        """Take the events that wait, and forget them there: how many."""
+        state = {name: self._run.arrays[f"state/contacts/{name}"] for name in EVENT_ARRAYS}
+        n = int(state["n_events"][0])
+        self._owners.append(state["event_contact"][:n].copy())
+        self._events.append(state["event"][:n].copy())
+        state["n_events"][0] = 0
+        return n
+
+    def run(self, lowered: LoweredModel) -> "DualRun":
+        """All that was kept; contacts that are still closed are the last events."""
+        self._take_unfinished(lowered)
+        return DualRun(
+            lowered,
+            np.concatenate(self._steps),
+            {name: np.concatenate(rows) for name, rows in self._rows.items()},
+            np.concatenate(self._owners),
+            np.concatenate(self._events),
+            # A contact may open again before the row of its step.
+            self._switches or any(map(len, self._owners[:-1])),
+        )
+
+    def _take_unfinished(self, lowered: LoweredModel) -> None:
+        arrays = self._run.arrays
+        closed = np.flatnonzero(arrays["state/contacts/steps"])
+        shape = arrays["state/contacts/event"].shape
+        events = np.full((len(closed), *shape[1:]), np.nan)
+        for name, source in WHILE_CLOSED.items():
+            events[:, EVENT_COLUMNS.index(name)] = arrays[f"state/contacts/{source}"][closed]
+        for name, number in (
+            ("end", lowered.h * arrays["state/step"][0]),
+            ("steps", arrays["state/contacts/steps"][closed]),
+        ):
+            events[:, EVENT_COLUMNS.index(name)] = 0.0
+            events[:, EVENT_COLUMNS.index(name), 0] = number
+        self._owners.append(closed.astype(np.int64))
+        self._events.append(events)
+
+
+def _joined(
+    seeds: Sequence[Seeds], k: int, parts: Sequence[str], prefixed: bool = True
+) -> dict[str, Array]:
+    """The seeds of all parameters (..., k) by the names of arrays; zeros beyond the last."""
+    found: dict[str, Array] = {}
+    for i, one in enumerate(seeds):
+        for part in parts:
+            for name, array in one.arrays[part].items():
+                key = f"{part}/{name}" if prefixed else name
+                if key not in found:
+                    found[key] = np.zeros((*array.shape, k))
+                found[key][..., i] = array
+    return found
+
+
+def _part_of(inputs: Inputs, part: slice) -> Inputs:
+    """The signals of some steps, each of which is recorded in the next row."""
+    return inputs.replace(
+        load=inputs.load[part],
+        drive=inputs.drive[part],
+        motor=inputs.motor[part],
+        row=np.arange(part.stop - part.start),
+    )

@@ -1,0 +1,217 @@
+"""Runs with dual numbers: derivatives of all that is recorded, against differences of runs."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Constant,
+    FlexibleBody,
+    Force,
+    Frame,
+    Model,
+    RigidBody,
+    Settings,
+    Start,
+    UserLaw,
+)
+from duhamel.solver.derivatives.run import recorded_rows, run_with_derivatives
+from duhamel.solver.derivatives.scope import check_scope, has_kinks
+from duhamel.solver.derivatives.seeds import seeds_of, start_of
+from duhamel.solver.errors import DerivativeError
+from duhamel.solver.lower.allocation import make_output
+from duhamel.solver.lower.lower import lower
+from duhamel.solver.step.loop import advance
+from duhamel.solver.step.record import record
+from duhamel.solver.step.system import Output, Run
+
+from ..study.test_sensitivity import bouncing
+from .compiler import every_part
+from .frameworks import bar
+
+NAMES = tuple(name for name, (_, kind) in Output.layout.items() if kind.dtype == np.float64)
+
+
+def plain(model):
+    """All numbers that a run records, by name."""
+    start = start_of(model, recorded_rows)
+    output = make_output(start.lowered, start.lowered.n_steps + 1)
+    initial = start.initial
+    run = Run(system=initial.lowered.system, state=initial.state, work=initial.work, output=output)
+    record(run, 0)
+    advance(run, start.inputs)
+    return {name: getattr(output, name) for name in NAMES}
+
+
+def with_derivatives(make, values):
+    start = start_of(make(**values), recorded_rows)
+
+    def seeds(name):
+        start_at = partial(_start_by, partial(make, **values), name)
+        return seeds_of(start, start_at, name, values[name], abs(values[name]) or 1.0)
+
+    return run_with_derivatives(start, [seeds(name) for name in values], NAMES).arrays
+
+
+def every_part_of(gravity=9.81, stiffness=1.0, push=20.0, mass=1.5):
+    """The model of every kind of part, without functions of users, which have no derivatives."""
+    model = every_part.make_model()
+    springs = []
+    for spring in model.springs:
+        laws = spring.law if isinstance(spring.law, tuple) else ()
+        kept = tuple(law for law in laws if not isinstance(law, UserLaw))
+        changed = {"stiffness": stiffness * np.asarray(spring.stiffness)}
+        springs.append(replace(spring, **changed, **({"law": kept} if laws else {})))
+    bodies = dict(model.bodies)
+    bodies["spherical"] = replace(bodies["spherical"], mass=mass)
+    loads = (Force("modal.i1", [1.0, -2.0, 0.5], Constant(push)), *model.loads[1:])
+    return replace(model, bodies=bodies, springs=springs, loads=loads, gravity=[0.0, 0.0, -gravity])
+
+
+@pytest.fixture(scope="module")
+def of_every_part():
+    return with_derivatives(every_part_of, {"gravity": 9.81, "stiffness": 1.0, "push": 20.0})
+
+
+def test_values_are_those_of_the_plain_run(of_every_part):
+    for name, values in plain(every_part_of()).items():
+        found = of_every_part[name][..., 0]
+        np.testing.assert_allclose(
+            found, values, rtol=1e-8, atol=1e-9 * np.abs(values).max(initial=0.0), err_msg=name
+        )
+
+
+@pytest.mark.parametrize(
+    ("number", "parameter", "value"),
+    [(0, "gravity", 9.81), (1, "stiffness", 1.0), (2, "push", 20.0)],
+)
+def test_derivatives_of_every_part_are_those_of_differences(
+    of_every_part, number, parameter, value
+):
+    """All joints, springs, laws, motors and couplers, both histories, in space."""
+    step = 1e-4 * value
+    above, below = (plain(every_part_of(**{parameter: value + d})) for d in (step, -step))
+    for name in NAMES:
+        expected = (above[name] - below[name]) / (2.0 * step)
+        found = of_every_part[name][..., 1 + number]
+        largest = np.abs(expected).max(initial=0.0)
+        rounding = 1e-13 * np.abs(above[name]).max(initial=0.0) / step
+        np.testing.assert_allclose(
+            found, expected, atol=2e-5 * largest + 1e3 * rounding, err_msg=name
+        )
+
+
+def test_one_derivative_is_the_first_of_four(of_every_part):
+    alone = with_derivatives(every_part_of, {"gravity": 9.81})
+    for name in NAMES:
+        expected = of_every_part[name][..., 1]
+        np.testing.assert_allclose(
+            alone[name][..., 1],
+            expected,
+            rtol=1e-8,
+            atol=1e-8 * np.abs(expected).max(initial=0.0),
+            err_msg=name,
+        )
+
+
+def test_derivatives_go_on_where_the_motion_rests(tmp_path):
+    """Newton's method ends by values, of which a load of no size across a beam moves none."""
+    element = bar(tmp_path, 0.3)
+
+    def beam(side):
+        spin = Start(angular_velocity=[0.0, 30.0, 0.0])
+        load = Force("beam.right", [0.0, 1.0, 0.0], Constant(side))
+        return Model(
+            {"beam": FlexibleBody(element, spin)},
+            loads=[load],
+            settings=Settings(t_end=0.04, step=2e-4),
+        )
+
+    found = with_derivatives(beam, {"side": 0.0})
+    above, below = plain(beam(1e-3)), plain(beam(-1e-3))
+    for name in ("body_position", "body_velocity", "frame_position"):
+        expected = (above[name] - below[name]) / 2e-3
+        assert np.abs(expected).max() > 1e-4
+        np.testing.assert_allclose(
+            found[name][..., 1], expected, atol=1e-6 * np.abs(expected).max(), err_msg=name
+        )
+
+
+def test_a_spinning_bar_with_terms_of_second_order_is_as_by_differences(tmp_path):
+    element = bar(tmp_path, 0.3, rotation=True)
+
+    def make(spin):
+        start = Start(angular_velocity=[0.0, 0.0, spin])
+        load = Force("beam.right", [0.0, 0.3, 1.0], Constant(0.5), follower=True)
+        return Model(
+            {"beam": FlexibleBody(element, start)},
+            loads=[load],
+            settings=Settings(t_end=0.02, step=2e-4),
+        )
+
+    found = with_derivatives(make, {"spin": 40.0})
+    above, below = plain(make(40.004)), plain(make(39.996))
+    for name in ("body_position", "body_velocity", "frame_elastic_displacement"):
+        expected = (above[name] - below[name]) / 8e-3
+        np.testing.assert_allclose(
+            found[name][..., 1], expected, atol=1e-5 * np.abs(expected).max(), err_msg=name
+        )
+
+
+def test_a_lamina_has_the_derivative_of_the_side_on_which_it_is_valid():
+    def spinning(inertia):
+        flat = RigidBody(1.0, [0.1, 0.2, inertia], start=Start(angular_velocity=[1.0, 2.0, 3.0]))
+        return Model({"flat": flat}, settings=Settings(t_end=0.1, step=1e-3))
+
+    found = with_derivatives(spinning, {"inertia": 0.3})["body_angular_velocity"][-1, 0, :, 1]
+    ends = [plain(spinning(0.3 - d))["body_angular_velocity"][-1, 0] for d in (0.0, 1e-4, 2e-4)]
+    expected = (3.0 * ends[0] - 4.0 * ends[1] + ends[2]) / 2e-4
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+    start = start_of(spinning(0.3), recorded_rows)
+    seeds = seeds_of(start, lambda x: start_of(spinning(x), recorded_rows), "inertia", 0.3, 0.3)
+    assert seeds.one_sided == -1
+
+
+def test_what_changes_more_than_numbers_is_refused():
+    def falling(step=1e-2, t_end=0.1, bodies=1.0):
+        body = RigidBody(1.0, [1.0, 1.0, 1.0], frames={"top": Frame([0, 0, bodies])})
+        return Model({"body": body}, settings=Settings(t_end=t_end, step=step))
+
+    for name, value in (("step", 1e-2), ("t_end", 0.1)):
+        make = partial(_start_by, falling, name)
+        with pytest.raises(DerivativeError, match=f"{name}: it changes the structure or the steps"):
+            seeds_of(make(value), make, name, value, 100.0 * value)
+
+
+def _start_by(make, name, value):
+    return start_of(make(**{name: value}), recorded_rows)
+
+
+def test_a_kink_beside_the_value_is_noticed():
+    def falling(x):
+        body = RigidBody(1.0 + abs(x - 1.00003), [1.0, 1.0, 1.0])
+        return Model({"body": body}, settings=Settings(t_end=0.1, step=1e-2))
+
+    start = start_of(falling(1.0), recorded_rows)
+    with pytest.raises(
+        DerivativeError, match=r"kink or a jump beside its value \(system/bodies/mass"
+    ):
+        seeds_of(start, lambda x: start_of(falling(x), recorded_rows), "x", 1.0, 1.0)
+
+
+def test_models_without_derivatives_are_named():
+    model = every_part.make_model()
+    with pytest.raises(DerivativeError, match="'point' has a law that is a function of Python"):
+        check_scope(lower(model))
+    for changed, told in (
+        (bouncing(1e-3).with_settings(contact_step=1e-4), "two sizes of steps"),
+        (every_part_of().with_settings(fixed_iterations=3), "a fixed number of iterations"),
+        (
+            every_part_of().with_settings(history="fft", t_end=0.2),
+            "a longer history than is summed directly",
+        ),
+    ):
+        with pytest.raises(DerivativeError, match=told):
+            check_scope(lower(changed))
+    assert has_kinks(lower(every_part_of()))

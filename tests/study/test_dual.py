@@ -1,0 +1,225 @@
+"""Derivatives of outputs by dual numbers: against closed forms, and by differences."""
+
+import numpy as np
+import pytest
+from duhamel.solver import (
+    Contact,
+    Coulomb,
+    FlexibleBody,
+    Frame,
+    Impact,
+    Model,
+    Motor,
+    Prismatic,
+    Revolute,
+    RigidBody,
+    Settings,
+    SmoothStep,
+    Spring,
+    Start,
+    UserLaw,
+    simulate,
+    write_model,
+)
+from duhamel.solver.couplings.friction import JointFriction
+from duhamel.study import StudyError, sensitivities, sensitivities_of
+
+from ..solver.frameworks import bar
+from .test_sensitivity import bouncing, height_by_stiffness, pushed
+
+
+def test_the_turn_of_a_lever_by_its_torque_and_inertia():
+    parameters = {"M": "loads.0.signal", "J": "bodies.lever.inertia.2"}
+    outputs = {"turn": "final angle:lever:z", "rate": "final angular_velocity:lever:z"}
+    found = sensitivities(pushed(), parameters, outputs, method="dual")
+    np.testing.assert_allclose(found.elasticity, [[1.0, -1.0], [1.0, -1.0]], rtol=1e-11)
+    assert (found.error < 1e-10 * np.abs(found.derivative)).all()
+    assert found.notes == ()
+    # Values are those of the run without derivatives, to the bit.
+    angle = simulate(pushed()).body("lever").angular_velocity[-1, 2]
+    assert found.value[1] == angle
+
+
+def test_over_time_a_derivative_is_a_series():
+    outputs = ["angular_velocity:lever:z", "position:lever:x"]
+    found = sensitivities(pushed(), {"M": "loads.0.signal"}, outputs, method="dual")
+    series = found.series["angular_velocity:lever:z"]
+    np.testing.assert_allclose(series.derivative[:, 0], series.value / 3.0, atol=1e-12)
+    assert not found.series["position:lever:x"].derivative.any()
+
+
+def striking(stiffness=1e5, mass=1.0, speed=1.0, exponent=1.0):
+    """A ball that strikes a wall once, without gravity, and flies back."""
+    ball = RigidBody(mass, [1e-3] * 3, start=Start([0, 0, 1e-4], velocity=[0, 0, -speed]))
+    impact = Impact(stiffness=stiffness, exponent=exponent, restitution=1.0)
+    wall = Contact(
+        "wall", ["ground.wall", "ball"], "plane", ball=0.0, axis=[0, 0, 1], impact=impact
+    )
+    return Model(
+        {"ball": ball},
+        contacts=[wall],
+        ground_frames={"wall": Frame([0, 0, 0])},
+        settings=Settings(t_end=0.012, step=1e-5, rho_inf=0.9),
+    )
+
+
+def test_a_strike_by_the_stiffness_of_its_contact():
+    k, m, v = 1e5, 1.0, 1.0
+    outputs = {"peak": "max event:wall:peak", "end": "final event:wall:end"}
+    found = sensitivities(striking, {"stiffness": k}, outputs, method="dual")
+    exact = [0.5 * v * np.sqrt(m / k), -0.5 * np.pi * np.sqrt(m / k) / k]
+    assert abs(found.derivative[0, 0] - exact[0]) < found.error[0, 0] < 5e-3 * exact[0]
+    np.testing.assert_allclose(found.derivative[1, 0], exact[1], rtol=1e-5)
+    assert found.error[1, 0] < 1e-4 * abs(exact[1])
+    (note,) = found.notes
+    assert note.startswith("peak by stiffness: the exact derivative varies by 0.")
+    assert note.endswith("differences are taken")
+
+
+def test_the_error_of_a_peak_by_hertz_covers_its_miss():
+    """Small steps agree there on the slope of the discrete run, to eight digits."""
+    k, m, v, n = 1e7, 1.0, 1.0, 1.5
+    found = sensitivities(
+        lambda stiffness: striking(stiffness, m, v, n),
+        {"stiffness": k},
+        {"peak": "max event:wall:peak"},
+        method="dual",
+    )
+    peak = k * ((n + 1.0) * m * v**2 / (2.0 * k)) ** (n / (n + 1.0))
+    exact = peak / k * (1.0 - n / (n + 1.0))
+    assert abs(found.derivative[0, 0] - exact) < found.error[0, 0] < 1e-2 * exact
+
+
+def test_errors_cover_the_kinks_of_bounces():
+    key = "contacts.floor.stiffness"
+    found = sensitivities(bouncing(1e-4), [key], {"z": "final position:ball:z"}, method="dual")
+    miss = abs(found.derivative[0, 0] - height_by_stiffness())
+    assert miss < found.error[0, 0] < 0.5 * abs(height_by_stiffness())
+    assert "where in their steps forces switch; differences are taken" in found.notes[0]
+
+
+def sliding(coefficient=0.3, speed=1.0):
+    block = RigidBody(2.0, [1e-3] * 3, start=Start(velocity=[speed, 0, 0]))
+    guide = Prismatic(
+        "ground", "block", [1, 0, 0], name="guide", friction=JointFriction(Coulomb(coefficient))
+    )
+    return Model(
+        {"block": block},
+        joints=[guide],
+        gravity=[0, 0, -9.80665],
+        settings=Settings(t_end=0.6, step=1e-4, rho_inf=0.9),
+    )
+
+
+def test_the_way_of_a_slide_by_its_friction():
+    outputs = ["final position:block:x"]
+    found = sensitivities(sliding, {"coefficient": 0.3, "speed": 1.0}, outputs, method="dual")
+    exact = np.array([-1.0 / (2.0 * 0.3**2 * 9.80665), 1.0 / (0.3 * 9.80665)])
+    # The scheme itself is off by half a step.
+    np.testing.assert_allclose(found.derivative[0], exact, rtol=5e-4)
+    assert (found.error[0] < 1e-3 * np.abs(exact)).all()
+
+
+def held(tmp_path):
+    """A beam on a servo, which turns it and holds it against gravity."""
+    element = bar(tmp_path, 0.3)
+
+    def make(gain=40.0, load=0.05, limit=50.0):
+        weight = RigidBody(load, [1e-4] * 3, start=Start([0.3, 0.0, 0.0]))
+        turn = SmoothStep((0.0, 0.3), over=(0.0, 0.03))
+        return Model(
+            {"arm": FlexibleBody(element, Start([0.15, 0.0, 0.0])), "weight": weight},
+            joints=[
+                Revolute("ground", "arm.left", [0, 1, 0], name="pivot"),
+                Revolute("arm.right", "weight", [0, 0, 1], name="hand"),
+            ],
+            motors=[
+                Motor(
+                    "servo",
+                    "pivot",
+                    "angle",
+                    reference=turn,
+                    stiffness=gain,
+                    damping=0.4,
+                    limit=limit,
+                )
+            ],
+            gravity=[0, 0, -9.81],
+            settings=Settings(t_end=0.05, step=2e-4),
+        )
+
+    return make
+
+
+def test_a_servo_with_a_flexible_arm_is_as_by_differences(tmp_path):
+    parameters = {"gain": 40.0, "load": 0.05}
+    outputs = ["final position:weight:z", "max |velocity:weight|"]
+    make = held(tmp_path)
+    dual, other = (
+        sensitivities(make, parameters, outputs, method=method)
+        for method in ("dual", "differences")
+    )
+    assert dual.notes == ()
+    np.testing.assert_allclose(dual.derivative, other.derivative, rtol=1e-6)
+    assert (dual.error < 1e-9 * np.abs(dual.derivative)).all()
+
+
+def test_a_start_in_equilibrium_moves_with_its_parameters():
+    def hanging(stiffness, mass):
+        coil = Spring("coil", "point", ["ground.top", "weight"], stiffness=stiffness, rest=[0.5])
+        return Model(
+            {"weight": RigidBody(mass, [0.1] * 3, start=Start([0, 0, -0.6]))},
+            joints=[Prismatic("ground", "weight", [0, 0, 1], name="guide")],
+            springs=[coil],
+            gravity=[0, 0, -9.81],
+            ground_frames={"top": Frame([0, 0, 0])},
+            settings=Settings(t_end=0.1, step=1e-3, start="equilibrium"),
+        )
+
+    found = sensitivities(
+        hanging, {"stiffness": 200.0, "mass": 2.0}, ["final position:weight:z"], method="dual"
+    )
+    exact = [[2.0 * 9.81 / 200.0**2, -9.81 / 200.0]]
+    np.testing.assert_allclose(found.derivative, exact, rtol=1e-7)
+
+
+def test_what_dual_numbers_do_not_cover_is_refused_by_name():
+    def user(parameters, memory, h, c, rate):
+        return parameters[0] * c, parameters[0], 0.0, 0.5 * parameters[0] * c**2
+
+    def pulled(mass):
+        body = RigidBody(mass, [0.1] * 3, start=Start([0.3, 0, 0]))
+        coil = Spring("coil", "point", ["ground.post", "body"], law=UserLaw(user, [10.0]))
+        post = Frame([0.0, 0.0, 0.0])
+        settings = Settings(t_end=0.1, step=1e-2)
+        return Model(
+            {"body": body}, springs=[coil], ground_frames={"post": post}, settings=settings
+        )
+
+    told = "spring 'coil' has a law that is a function.*; take method = \"differences\""
+    with pytest.raises(StudyError, match=told):
+        sensitivities(pulled, {"mass": 1.0}, ["final position:body:x"], method="dual")
+    with pytest.raises(StudyError, match=r"simulation\.t_end: it changes the structure"):
+        sensitivities(
+            pushed(),
+            ["simulation.t_end"],
+            ["final angle:lever:z"],
+            method="dual",
+            scales={"simulation.t_end": 100.0},
+        )
+
+
+def test_a_study_file_names_the_method(tmp_path):
+    write_model(pushed(), tmp_path / "lever.toml")
+    study = tmp_path / "study.toml"
+    text = (
+        'model = "lever.toml"\nparameters."loads.0.signal" = 3.0\n'
+        'outputs.turn = "final angle:lever:z"\nsensitivity.method = "{}"\n'
+    )
+    study.write_text(text.format("dual"))
+    found = sensitivities_of(study)
+    assert found.elasticity[0, 0] == pytest.approx(1.0, rel=1e-11)
+    assert found.error[0, 0] < 1e-11
+    study.write_text(text.format("adjoint"))
+    with pytest.raises(StudyError, match=r"sensitivity\.method: .*'differences' or 'dual'"):
+        sensitivities_of(study)
