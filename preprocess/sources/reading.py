@@ -80,19 +80,23 @@ def files_of(body: AnyBody) -> tuple[Path, ...]:
     return (*body.files, *of_nodes, *measured)
 
 
+def mesh_of_body(body: Body, given: Path | Mesh) -> Mesh:
+    """A mesh of a body as its elements use it: in meters, and of the order that is asked for."""
+    # A mesh in memory was scaled when it was made.
+    if isinstance(given, Mesh):
+        mesh = given
+    elif is_cad(given):
+        mesh = mesh_of_cad(body, given)
+    else:
+        mesh = read_mesh(given, body.scale)
+    return quadratic(mesh) if body.order == 2 else mesh
+
+
 def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
-    # A mesh in memory was scaled when it was made.
-    if isinstance(body.mesh, Mesh):
-        mesh = body.mesh
-    elif is_cad(body.mesh):
-        mesh = mesh_of_cad(body, body.mesh)
-    else:
-        mesh = read_mesh(body.mesh, body.scale)
-    if body.order == 2:
-        mesh = quadratic(mesh)
+    mesh = mesh_of_body(body, body.mesh)
     if mesh.body_types == LINE_CELLS:
         if body.shell is not None or body.shells:
             raise BodyError(f"{mesh.name}: [shell] is for triangles and quadrangles, found lines")
