@@ -38,6 +38,7 @@ def describe(element: Superelement) -> Table:
         _frequencies(element.modes),
         _measured(element.measured),
         _rotation(element.rotation),
+        _derivatives(element),
         _kernel(element.kernel),
         _provenance(element.provenance),
     )
@@ -103,6 +104,14 @@ def _frequencies(modes: Modes | None) -> Iterator[Row]:
             "damping ratios, free",
             f"{ratios}; at a joint, or clamped, a mode at f: up to {bound}",
         )
+
+
+def _derivatives(element: Superelement) -> Iterator[Row]:
+    if element.derivatives:
+        yield "derivatives", f"{len(element.derivatives)}, for [bodies.NAME.design] of models"
+    for name, tangent in element.derivatives.items():
+        reach = f"{tangent.value:.6g}, {tangent.reach:.3g} up or down"
+        yield f"  {name}", f"{reach}; error of the compliance by the modes {tangent.error:.1e}"
 
 
 def loss_in_words(modes: Modes, chain: Chain) -> str:

@@ -19,6 +19,7 @@ from .assembly.structure import Structure, assemble_on
 from .body.body import Body
 from .body.measured_body import MeasuredBody
 from .body.reading import AnyBody
+from .derivatives import design_derivatives
 from .errors import MemoryShortageError, MethodError
 from .measured.part import build_measured
 from .measured.update import read_test, updated, with_rigid, with_test
@@ -154,7 +155,12 @@ def _build(body: Body, stages: Stages) -> Superelement:
         found = None
         if test is not None:
             responses, found = updated(test, structure, responses, stages.warn)
+        derivatives = {}
+        if body.derivatives:
+            with stages.stage("derivatives"):
+                derivatives = design_derivatives(body, structure, responses, stages.warn)
         element = superelement_of(as_given, source, structure, second, responses, stages)
+        element = replace(element, derivatives=derivatives)
         return element if test is None or found is None else with_rigid(element, test, found)
 
 

@@ -21,7 +21,7 @@ from .quantity import Quantity
 from .space import Space
 
 RESULTS_FORMAT = "duhamel-results"
-RESULTS_VERSION = 11
+RESULTS_VERSION = 12
 # All that files since this version hold has the same meaning today.
 EARLIEST_VERSION = 3
 
@@ -29,6 +29,7 @@ EARLIEST_VERSION = 3
 class SuperelementFile(NamedTuple):
     """The file of a superelement, "" where there is none, with its SHA-256.
 
+    variation: the text of the `SuperelementVariation` of the body, "" where it is as in the file.
     As long as results are in memory, with the time of its last change [ns] and its size instead,
     which cost nothing.
     """
@@ -36,12 +37,13 @@ class SuperelementFile(NamedTuple):
     path: str
     digest: str = ""
     stamp: tuple[int, int] | None = None
+    variation: str = ""
 
     @classmethod
-    def of(cls, path: str | os.PathLike[str]) -> "SuperelementFile":
+    def of(cls, path: str | os.PathLike[str], variation: str = "") -> "SuperelementFile":
         """The file at a path as it is now."""
         path = resolved(Path(path))
-        return cls(str(path), stamp=_stamp(path))
+        return cls(str(path), stamp=_stamp(path), variation=variation)
 
     def hashed(self) -> "SuperelementFile":
         """This file with its SHA-256."""

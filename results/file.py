@@ -11,6 +11,7 @@ import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
+from itertools import repeat, starmap
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -458,7 +459,10 @@ def _read_contents(file: h5py.File) -> Contents:
     superelements: dict[str, SuperelementFile] = {}
     if bodies:
         paths, digests = (_strings(file, f"superelement_{of}") for of in ("file", "sha256"))
-        files = map(SuperelementFile, paths, digests)
+        # Only files of runs with such bodies have it.
+        varied = "superelement_variation" in file
+        texts = _strings(file, "superelement_variation") if varied else [""] * len(paths)
+        files = starmap(SuperelementFile, zip(paths, digests, repeat(None), texts, strict=False))
         superelements = dict(zip(bodies, files, strict=True))
     checks = axes.pop("check", Axis(())).names
     version = int(file.attrs["version"])
@@ -614,9 +618,11 @@ def _superelement_files(contents: Contents) -> dict[str, list[str]]:
     files = [found.hashed() for found in contents.superelements.values()]
     if not files:
         return {}
+    varied = [found.variation for found in files]
     return {
         "superelement_file": [found.path for found in files],
         "superelement_sha256": [found.digest for found in files],
+        **({"superelement_variation": varied} if any(varied) else {}),
     }
 
 

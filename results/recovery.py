@@ -9,6 +9,7 @@ stepped as the run was, whatever the form of its history, so that phi_C eta are 
 that it recorded. It adds no cost to the time loop.
 """
 
+import json
 from collections.abc import Iterator, Mapping
 from itertools import islice, pairwise
 from pathlib import Path
@@ -17,7 +18,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..files.arrays import Array, Index
-from ..superelement import Chain, GeneralizedAlpha, Modes, Superelement, read, stressed
+from ..superelement import (
+    Chain,
+    GeneralizedAlpha,
+    Modes,
+    Superelement,
+    read,
+    stressed,
+    with_parameters,
+)
 from ..superelement.chain import Springs
 from .contents import SuperelementFile
 from .errors import RecoveryError
@@ -103,7 +112,14 @@ def read_again(body: str, file: SuperelementFile | None) -> Superelement:
         )
     if change := file.change():
         raise RecoveryError(f"body {body!r}: {file.path} has changed since the run: {change}")
-    return read(file.path)
+    return as_in_run(read(file.path), file)
+
+
+def as_in_run(element: Superelement, file: SuperelementFile | None) -> Superelement:
+    """A superelement as its file has it, at the parameters that the body had in the run."""
+    if file is None or not file.variation or element.variation is not None:
+        return element
+    return with_parameters(element, json.loads(file.variation))
 
 
 def instants(times: Array, t: Array) -> Instants:

@@ -45,6 +45,7 @@ from .recovery import (
     Instants,
     ModalSteps,
     RecordedModes,
+    as_in_run,
     in_space,
     instants,
     interface_loads,
@@ -479,9 +480,10 @@ class Results:
 
         `RecoveryError` if the file has changed.
         """
-        if body not in self._superelements:
-            self._superelements[body] = read_again(body, self.superelement_files.get(body))
-        return self._superelements[body]
+        file, given = self.superelement_files.get(body), self._superelements.get(body)
+        found = read_again(body, file) if given is None else as_in_run(given, file)
+        self._superelements[body] = found
+        return found
 
     @property
     def bands(self) -> dict[str, float]:
@@ -516,6 +518,11 @@ class Results:
 
     def _checked_recovery(self, body: str) -> tuple[Superelement, Recovery, Modes]:
         element = self.superelement(body)
+        if element.variation is not None and element.variation.design:
+            raise RecoveryError(
+                f"body {body!r}: its fields are not known with {element.variation}: make its "
+                "superelement for these values"
+            )
         if element.recovery is None or element.modes is None:
             raise RecoveryError(
                 f"body {body!r}: superelement {element.name!r} holds no recovery: add "

@@ -4,7 +4,7 @@ A name in a dotted key is a key of a table, the `name` of an entry of an array o
 number of an entry, from 0.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from fnmatch import fnmatchcase
 from typing import Any
@@ -14,6 +14,8 @@ from .errors import StudyError
 
 WORDS_FOR_PATHS = ("frf",)
 """texts at keys of paths that are none: mass `from` the responses, in place of a file"""
+NEUTRAL_FACTOR = 1.0
+"""of `bodies.NAME.scale.KEY`, which a model file need not have to be varied"""
 
 
 def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -69,6 +71,29 @@ def _texts(value: Any, key: str) -> Iterator[tuple[str, str]]:
     elif isinstance(value, list):
         for number, entry in enumerate(value):
             yield from _texts(entry, below(key, number))
+
+
+def with_varied_bodies(
+    document: Mapping[str, Any],
+    keys: Iterable[str],
+    design: Callable[[str, str], float] = lambda body, name: NEUTRAL_FACTOR,
+) -> dict[str, Any]:
+    """A copy of a document with the parameters of superelements that are among the keys.
+
+    Also as the beginnings of keys, that end in a distribution. design: the value of a design
+    parameter of a body as it is, by their names.
+    """
+    found = deepcopy(dict(document))
+    for key in keys:
+        first, body, table, name, *_ = *key.split("."), "", "", ""
+        bodies = found.get(first, {}) if first == "bodies" else {}
+        if body not in bodies:
+            continue
+        if table == "scale":
+            bodies[body].setdefault(table, {}).setdefault(name, NEUTRAL_FACTOR)
+        elif table == "design" and name not in bodies[body].get(table, {}):
+            bodies[body].setdefault(table, {})[name] = design(body, name)
+    return found
 
 
 def put(document: dict[str, Any], key: str, value: Any) -> None:

@@ -14,8 +14,8 @@ from ..solver.model.variation import Variation
 from .derived import definitions, own_names
 from .errors import StudyError
 from .expressions import LookUp
-from .keys import leaves
-from .parametrized import Parametrized, numeric, numeric_value_at
+from .keys import leaves, with_varied_bodies
+from .parametrized import Parametrized, design_of, numeric, numeric_value_at
 from .samples import distribution_of, is_distribution
 from .simulation import Simulation
 from .study_file import Plan, StudyTables, read_study_file
@@ -72,7 +72,9 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
     if file.model is None or file.parameters is None:
         raise StudyError("expected model and parameters, found body or table")
     base = path.parent / file.model
-    given = read_toml(base, StudyError)
+    given, model = read_toml(base, StudyError), read_model(base)
+    varied = dict(leaves({**file.parameters, **file.derived}))
+    given = with_varied_bodies(given, varied, design_of(model))
     found = [_parameter(given, key, value) for key, value in leaves(file.parameters)]
     if not found:
         raise StudyError("parameters: expected numbers by dotted key, found none")
@@ -82,7 +84,7 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
     own = own_names(given, values, derived, "parameters.")
     plan = Plan(Simulation(), given, own, derived, path.parent, base.parent)
     # The tables as they stand in the file: its keys are those that users know.
-    variation = Variation(read_model(base), given)
+    variation = Variation(model, given)
 
     def make(changed: Mapping[str, float]) -> Model:
         return variation.model(plan.document_at(changed))

@@ -11,7 +11,7 @@ from ..solver import Model
 from ..solver.model.variation import Variation
 from .errors import StudyError
 from .expressions import LookUp
-from .keys import put, value_at
+from .keys import put, value_at, with_varied_bodies
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,11 @@ def of_model(model: Model, parameters: Mapping[str, str] | Sequence[str]) -> Par
     """A model whose parameters are keys of its file, by names of their own or as they are."""
     named = parameters if isinstance(parameters, Mapping) else {key: key for key in parameters}
     variation = Variation(model)
-    values = {name: numeric_value_at(variation.tables, key) for name, key in named.items()}
+    given = with_varied_bodies(variation.tables, named.values(), design_of(model))
+    values = {name: numeric_value_at(given, key) for name, key in named.items()}
 
     def tables_at(changed: Mapping[str, float]) -> dict[str, Any]:
-        tables = deepcopy(dict(variation.tables))
+        tables = deepcopy(given)
         for name, value in changed.items():
             put(tables, named[name], value)
         return tables
@@ -54,6 +55,22 @@ def of_model(model: Model, parameters: Mapping[str, str] | Sequence[str]) -> Par
         lambda changed: variation.model(tables_at(changed)),
         lambda changed: partial(value_at, tables_at(changed)),
     )
+
+
+def design_of(model: Model) -> Callable[[str, str], float]:
+    """The values of design parameters as superelements have them, by body and name."""
+
+    def value(body: str, name: str) -> float:
+        element = getattr(model.bodies[body], "superelement", None)
+        known = {} if element is None else element.base.derivatives
+        if name not in known:
+            raise StudyError(
+                f"parameters.{dotted([f'bodies.{body}.design.{name}'])}: the superelement has no "
+                f"derivative by it; there are: {', '.join(known) or 'none'}"
+            )
+        return float(known[name].value)
+
+    return value
 
 
 def of_function(

@@ -26,6 +26,7 @@ class Preprocessing:
         "measured.channels",
         "measured.hits",
         "measured.rigid.from",
+        "derivatives.*.mesh",
     )
     columns: ClassVar[tuple[str, ...]] = ("seconds", "mass", "first_frequency", "modes", "error")
 

@@ -17,7 +17,7 @@ from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
 from .goals import OptimizeTable
-from .keys import matching, put, with_texts
+from .keys import leaves, matching, put, with_texts, with_varied_bodies
 from .measured_series import SeriesTable
 from .points import Point, grid, rows, samples
 from .samples import Design
@@ -180,6 +180,7 @@ def _study(file: StudyTables, path: Path, folder: Path) -> Study:
     points = list(_points(file, table))
     if lacking := shortage(MEMORY_PER_FILE_BYTE * len(points) * base.stat().st_size):
         raise StudyError(f"a study of {len(points)} cases of {base} {lacking}")
+    given = with_varied_bodies(given, [*points[0].parameters, *dict(leaves(file.derived))])
     derived = definitions(given, file.derived, points[0].parameters)
     place = "parameters." if table is None else f"{table}: column "
     own = own_names(given, points[0].parameters, derived, place)

@@ -10,6 +10,8 @@ from .validation import SuperelementError, checked
 
 # Beyond this ratio of glassy to relaxed stiffness nothing is left of the relaxed body.
 MAX_AMPLITUDE_SUM = 1e6
+LARGEST_LOSS = 1.0
+"""factor that a chain is made for"""
 
 
 @dataclass(frozen=True, eq=False)

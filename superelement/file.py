@@ -1,4 +1,4 @@
-"""The HDF5 file of a superelement, schema version 6; files of versions 1 to 5 are read too.
+"""The HDF5 file of a superelement, schema version 7; files of versions 1 to 6 are read too.
 
 Written under a temporary name and renamed when whole.
 """
@@ -21,6 +21,7 @@ from ..files.outputs import AnyPath, in_words, resolved
 from .chain import Chain
 from .channels import Channels
 from .checks import require_sound
+from .derivative import DesignDerivative
 from .fields import (
     dataset,
     expect,
@@ -52,7 +53,7 @@ from .surfaces import Surface, Surfaces
 from .validation import SuperelementError
 
 SUPERELEMENT_FORMAT = "duhamel-superelement"
-SUPERELEMENT_VERSION = 6
+SUPERELEMENT_VERSION = 7
 # Version 1 has the accelerance under another name.
 ACCELERANCE_DATASETS = {1: "static/mobility"} | dict.fromkeys(
     range(2, SUPERELEMENT_VERSION + 1), "static/accelerance"
@@ -65,6 +66,18 @@ FIRST_WITH_CHANNELS = 4
 FIRST_WITH_OUTLINE = 5
 FIRST_WITH_SURFACES = 6
 FIRST_WITH_MEASURED = 6
+FIRST_WITH_DERIVATIVES = 7
+DERIVATIVE_UNITS = {
+    "K": "1/s^2",
+    "M": "1",
+    "phi": "1/sqrt(kg), 1/(sqrt(kg) m)",
+    "mass": "kg",
+    "J_rot": "kg m^2",
+    "center": "m",
+    "X": "m",
+    "compliance": "m/N, rad/N, rad/(N m)",
+}
+"""of derivatives, per unit of their parameters"""
 # The digest of rigid properties and positions of interfaces, which nothing else in the file can
 # confirm.
 PLACEMENT_ATTRIBUTE = "sha256"
@@ -90,7 +103,8 @@ def write(superelement: Any, path: Any, /) -> None:
     Raises
     ------
     SuperelementError
-        Where the folder is missing or cannot be written to.
+        Where the folder is missing or cannot be written to; and for one that was scaled, which
+        would no longer be that of its body file.
 
     Examples
     --------
@@ -108,6 +122,11 @@ def write(superelement: Any, path: Any, /) -> None:
     <Superelement 'beam': 1.57 kg, at tip, 12 modes>
     """
     superelement, path = object_and_path(superelement, path)
+    if superelement.variation is not None:
+        raise SuperelementError(
+            f"{superelement.name}: was made from another one by {superelement.variation}: "
+            "write its base, and give these to the body in the model"
+        )
     # The file is made in memory first: HDF5 itself brings the process down when the disk is full.
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
@@ -147,7 +166,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
 
 
 def read(path: str | os.PathLike[str], recovery: bool = True) -> Superelement:
-    """Read and validate a superelement file of versions 1 to 6; unknown groups are ignored.
+    """Read and validate a superelement file of versions 1 to 7; unknown groups are ignored.
 
     Parameters
     ----------
@@ -229,7 +248,16 @@ def _fill(file: h5py.File, body: Superelement) -> None:
         _put_outline(file, body.outline, body.recovery)
     if body.measured is not None:
         _put_measured(file.create_group("measured"), body.measured)
+    for name, tangent in body.derivatives.items():
+        _put_derivative(file.create_group(f"derivatives/{name}"), tangent)
     _put_provenance(file.create_group("provenance"), body.provenance)
+
+
+def _put_derivative(parent: h5py.Group, tangent: DesignDerivative) -> None:
+    """Units are those of the data themselves, per unit of the parameter."""
+    parent.attrs.update(value=tangent.value, reach=tangent.reach, error=tangent.error)
+    for name, units in DERIVATIVE_UNITS.items():
+        put(parent, name, getattr(tangent, name), units)
 
 
 def _put_measured(parent: h5py.Group, measured: MeasuredModes) -> None:
@@ -395,6 +423,7 @@ def _superelement(file: h5py.File, recovery: bool) -> Superelement:
         outline=_outline(file) if version >= FIRST_WITH_OUTLINE else None,
         surfaces=_surfaces(file) if version >= FIRST_WITH_SURFACES else None,
         measured=_measured(file) if version >= FIRST_WITH_MEASURED else None,
+        derivatives=_derivatives(file, n_c) if version >= FIRST_WITH_DERIVATIVES else {},
     )
     _check_rows(file, body)
     require_sound(body)
@@ -626,6 +655,36 @@ def _measured(file: h5py.File) -> MeasuredModes | None:
     parent = group(file, "measured")
     keys = ("frequency", "damping", "calculated", "mac", "complexity")
     return MeasuredModes(*(numbers(parent, key, "m") for key in keys))
+
+
+def _derivatives(file: h5py.File, n_c: int) -> dict[str, DesignDerivative]:
+    if "derivatives" not in file:
+        return {}
+    parent, found = group(file, "derivatives"), {}
+    for name in parent:
+        label = decoded("the name of a derivative", name)
+        try:
+            found[label] = _derivative(group(parent, label), n_c)
+        except SuperelementError as error:
+            raise SuperelementError(f"derivatives/{label}: {error}") from error
+    return found
+
+
+def _derivative(parent: h5py.Group, n_c: int) -> DesignDerivative:
+    K = numbers(parent, "K", "m", "m")
+    return DesignDerivative(
+        value=number(parent, "value"),
+        reach=number(parent, "reach"),
+        error=number(parent, "error"),
+        K=K,
+        M=numbers(parent, "M", len(K), len(K)),
+        phi=numbers(parent, "phi", n_c, len(K)),
+        mass=scalar(parent, "mass"),
+        J_rot=numbers(parent, "J_rot", 3, 3),
+        center=numbers(parent, "center", 3),
+        X=numbers(parent, "X", "n", 3),
+        compliance=numbers(parent, "compliance", n_c, n_c),
+    )
 
 
 def _recovery(file: h5py.File) -> Recovery | None:

@@ -1,8 +1,12 @@
 """The superelement: the data of an elastic body that a multibody solver needs."""
 
+import json
+import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +15,7 @@ from ..files.html import listed, table
 from ..files.kept_warnings import warn
 from . import summary
 from .channels import Channels
+from .derivative import DesignDerivative
 from .interface import Interface
 from .kernel import Kernel, sample_kernel
 from .measured import MeasuredModes
@@ -22,7 +27,13 @@ from .rotation import Rotation
 from .scheme import GeneralizedAlpha
 from .sensor import Sensor
 from .surfaces import Surface, Surfaces
-from .validation import SuperelementError, check_positive, check_symmetric, checked
+from .validation import (
+    SuperelementError,
+    check_name,
+    check_positive,
+    check_symmetric,
+    checked,
+)
 
 
 class StepWarning(UserWarning):
@@ -44,7 +55,7 @@ class Provenance:
     """
 
     body: str = ""
-    """the text of the body file"""
+    """the text of the body file; of a body that was made in Python, its values in JSON"""
     mesh: str = ""
     """the name of the mesh"""
     mesh_sha256: str = ""
@@ -57,9 +68,58 @@ class Provenance:
     """seconds by stage"""
 
     @property
+    def tables(self) -> dict[str, Any]:
+        """The tables of the body file; none where it is not known."""
+        for parse in (tomllib.loads, json.loads):
+            with suppress(ValueError):
+                found: dict[str, Any] = parse(self.body)
+                return found
+        return {}
+
+    @property
     def tested(self) -> bool:
         """Whether the modes were identified from a test, against which their error is stated."""
         return self.method.startswith(TESTED_METHOD)
+
+
+@dataclass(frozen=True, eq=False)
+class SuperelementVariation:
+    """A superelement at other parameters than those of its file.
+
+    Parameters
+    ----------
+    base : Superelement
+        As its file has it.
+    scale : mapping of float
+        Factors of `scaled`: stiffness, density, damping.
+    design : mapping of float
+        Values of parameters of `redesigned`, by name.
+
+    See `scaled` and `redesigned` for an example.
+    """
+
+    base: "Superelement"
+    scale: Mapping[str, float] = field(default_factory=dict)
+    design: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def tables(self) -> dict[str, dict[str, float]]:
+        """Its parameters as a model file has them, by key of a body."""
+        both = {"scale": dict(self.scale), "design": dict(self.design)}
+        return {key: table for key, table in both.items() if table}
+
+    def __str__(self) -> str:
+        entries = (
+            f"{table}.{key} = {value:g}"
+            for table, values in self.tables.items()
+            for key, value in values.items()
+        )
+        return ", ".join(entries)
+
+    @property
+    def text(self) -> str:
+        """Its parameters in one line, as results keep them."""
+        return json.dumps(self.tables)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +161,10 @@ class Superelement:
         What other bodies may touch, node by node.
     measured : MeasuredModes, optional
         The modes of a test by which its own were updated.
+    derivatives : mapping of DesignDerivative
+        By design parameters of the body, by name.
+    variation : SuperelementVariation, optional
+        Of one that was made from another one, not from a mesh, and of which one.
 
     Raises
     ------
@@ -139,6 +203,8 @@ class Superelement:
     outline: Outline | None = None
     surfaces: Surfaces | None = None
     measured: MeasuredModes | None = None
+    derivatives: Mapping[str, DesignDerivative] = field(default_factory=dict)
+    variation: SuperelementVariation | None = None
 
     def __post_init__(self) -> None:
         if not (self.name and self.name.isprintable()):
@@ -167,6 +233,8 @@ class Superelement:
             self._check_channels(self.channels, n_c)
         if self.surfaces is not None:
             self._check_surfaces(self.surfaces)
+        if self.derivatives:
+            self._check_derivatives()
         if self.recovery is not None:
             n_modes = 0 if self.modes is None else len(self.modes.omega)
             if self.recovery.phi.shape[2] != n_modes:
@@ -192,6 +260,11 @@ class Superelement:
         method = self.provenance.method
         shown = summary.rows(self.mass, self.interfaces, self.modes, self.kernel, method)
         return table(f"Superelement {self.name}", shown)
+
+    @property
+    def base(self) -> "Superelement":
+        """What it was made from by other parameters, as a file has it; else itself."""
+        return self if self.variation is None else self.variation.base
 
     @property
     def n_c(self) -> int:
@@ -256,6 +329,20 @@ class Superelement:
             raise SuperelementError(
                 f"recovery: rest: expected {expected} columns, the dofs of surfaces, found {found}"
             )
+
+    def _check_derivatives(self) -> None:
+        for name in ("rotation", "channels", "surfaces", "measured"):
+            if getattr(self, name) is not None:
+                raise SuperelementError(
+                    f"derivatives: expected no {name}, of which they have nothing"
+                )
+        m = 0 if self.modes is None else len(self.modes.omega)
+        for name, tangent in self.derivatives.items():
+            try:
+                check_name("derivative", name)
+                tangent.check_fits(self.n_c, m, len(self.interfaces))
+            except SuperelementError as error:
+                raise SuperelementError(f"derivatives: {name}: {error}") from error
 
     def _check_surfaces(self, surfaces: Surfaces) -> None:
         if self.modes is None:

@@ -51,6 +51,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "measured",
         "estimate",
         "recovery",
+        "derivatives",
         "outline",
         "plausibility",
         "hammer",

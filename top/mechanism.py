@@ -767,7 +767,7 @@ class Mechanism:
         for name, body in bodies.items():
             if not isinstance(body, solver.RigidBody) and not body.source:
                 beside = path.with_name(f"{path.stem}-{name}.h5")
-                superelement.write(body.superelement, beside)
+                superelement.write(body.superelement.base, beside)
                 bodies[name] = replace(body, source=str(beside))
         self.bodies = bodies
         solver.write_model(replace(model, bodies=bodies), path)

@@ -15,6 +15,7 @@ from duhamel.inputs import InputError, Table, quoted, read_part
 from duhamel.preprocess.body.body import PointMass
 from duhamel.preprocess.body.cad import FaceSize
 from duhamel.preprocess.body.damping import Damping
+from duhamel.preprocess.body.derivative import Derivative
 from duhamel.preprocess.body.impulse import DEFAULT_STEPS, Method, SolverName
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
@@ -37,6 +38,7 @@ TABLE_KINDS: dict[str, type[Table]] = {
     "loads": LoadPattern,
     "sensors": SensorPoint,
     "sizes": FaceSize,
+    "derivatives": Derivative,
 }
 """what body files give by name"""
 
@@ -212,6 +214,33 @@ class Part:
         if at is not None:
             selection["at"] = vector(at)
         self._add("interfaces", name, selection)
+
+    def derivative(
+        self,
+        name: str,
+        *,
+        key: str | None = None,
+        powers: Mapping[str, float] | None = None,
+        mesh: Any = None,
+    ) -> None:
+        """Give the superelement derivatives by a parameter of the part, of one of three kinds.
+
+        Parameters
+        ----------
+        name : str
+        key : str
+            Of a number as in body files, as "section.EI_z" or "shell.thickness".
+        powers : mapping of float
+            Several such keys, that grow as these powers of the parameter, which is 1.
+        mesh
+            Another mesh with the same cells, in meters, toward which points move as the parameter
+            grows from 0 to 1; or a file, in the unit of that of the part.
+        """
+        given = {"key": key, "powers": None if powers is None else dict(powers)}
+        entry: dict[str, Any] = {key: one for key, one in given.items() if one is not None}
+        if mesh is not None:
+            entry["mesh"] = Path(mesh) if isinstance(mesh, str | os.PathLike) else mesh_of(mesh)
+        self._add("derivatives", name, entry)
 
     def refine(self, name: str, where: Selection, size: float) -> None:
         """Give elements on a hole or face of a CAD file a smaller size.

@@ -1,18 +1,14 @@
 """The body file: what a user writes to turn a mesh into a superelement."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
     ConfigDict,
     Field,
     NonNegativeFloat,
-    PlainSerializer,
     PositiveFloat,
-    SerializationInfo,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
 )
 
 from ...inputs import (
@@ -25,8 +21,10 @@ from ...inputs import (
 )
 from ...superelement import sha256
 from ..mesh.mesh import Mesh
+from .any_mesh import AnyMesh
 from .cad import FaceSize, check_cad
 from .damping import Damping, check_fit
+from .derivative import Derivative, check_derivatives
 from .impulse import Impulse, Method, SolverName
 from .loads import LoadPattern
 from .material import Material, Section
@@ -38,29 +36,6 @@ from .shell import Shell
 from .shell_checks import check_shells
 from .values import FilePath, InertiaTensor
 
-
-def _mesh_or_path(value: Any, path_of: ValidatorFunctionWrapHandler) -> Any:
-    # A mesh passes as it is: it is large, and was checked when it was made.
-    return value if isinstance(value, Mesh) else path_of(value)
-
-
-def _mesh_in_words(mesh: Any, info: SerializationInfo) -> Any:
-    """In JSON the path, or the name of a mesh in memory."""
-    if not info.mode_is_json():
-        return mesh
-    return mesh.name if isinstance(mesh, Mesh) else str(mesh)
-
-
-if TYPE_CHECKING:
-    AnyMesh = Path | Mesh
-else:
-    AnyMesh = Annotated[
-        Path,
-        Field(strict=False),
-        WrapValidator(_mesh_or_path),
-        PlainSerializer(_mesh_in_words),
-    ]
-    """the path of a mesh file or, of a body that is made in Python, a mesh"""
 MAX_ROTATION_SHAPES = 32  # modes, or soft shapes, of which inertia and stiffness may depend
 
 
@@ -213,6 +188,7 @@ class Body(NamedBody):
     recovery: RecoveredFields | None = None
     rotation: NonlinearCoordinates | None = None
     measured: Measured | None = None
+    derivatives: dict[str, Derivative] = Field(default_factory=dict)
 
     @rule
     def _one_make(self) -> None:
@@ -250,7 +226,7 @@ class Body(NamedBody):
 
     @rule
     def _own_names(self) -> None:
-        for table in ("interfaces", "surfaces", "masses", "loads", "sensors"):
+        for table in ("interfaces", "surfaces", "masses", "loads", "sensors", "derivatives"):
             for name in getattr(self, table):
                 if not is_name(name):
                     raise ValueError(
@@ -388,6 +364,10 @@ class Body(NamedBody):
                 "the mesh"
             )
 
+    @rule
+    def _design_parameters(self) -> None:
+        check_derivatives(self)
+
     @property
     def _parts(self) -> dict[str, Section | Material]:
         """Sections or materials by their keys in the file."""
@@ -424,17 +404,23 @@ class Body(NamedBody):
         """Digests of its mesh or matrices and of its test, by which a superelement knows them."""
         test = () if self.measured is None else self.measured.files
         mesh = [self.mesh.sha256] if isinstance(self.mesh, Mesh) else map(sha256, self.files)
-        return ", ".join([*mesh, *map(sha256, test)])
+        morphed = (one.mesh for one in self.derivatives.values() if one.mesh is not None)
+        others = (one.sha256 if isinstance(one, Mesh) else sha256(one) for one in morphed)
+        return ", ".join([*mesh, *map(sha256, test), *others])
 
     def relative_to(self, folder: Path) -> "Body":
         """A copy whose relative paths start from a folder."""
-        paths: dict[str, Path | Matrices | Measured] = {}
+        paths: dict[str, Any] = {}
         if isinstance(self.mesh, Path):
             paths["mesh"] = folder / self.mesh
         if self.matrices is not None:
             paths["matrices"] = self.matrices.relative_to(folder)
         if self.measured is not None:
             paths["measured"] = self.measured.relative_to(folder)
+        if self.derivatives:
+            paths["derivatives"] = {
+                name: one.relative_to(folder) for name, one in self.derivatives.items()
+            }
         return self.model_copy(update=paths)
 
     def with_modes(self, method: Method, modes: int) -> "Body":
@@ -450,5 +436,10 @@ class Body(NamedBody):
     def _values(self) -> dict[str, Any]:
         """All but the paths, which depend on the folder that the file is read from."""
         return self.model_dump(
-            exclude={"mesh": True, "matrices": True, "measured": {"modes", "channels"}}
+            exclude={
+                "mesh": True,
+                "matrices": True,
+                "measured": {"modes", "channels"},
+                "derivatives": {"__all__": {"mesh"}},
+            }
         )

@@ -8,9 +8,9 @@ from pydantic import BeforeValidator, Field, NonNegativeFloat, PositiveFloat
 
 from ...inputs import Also, Table, rule
 from ...superelement import Chain
-from .relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, fit
+from ...superelement.chain import LARGEST_LOSS
+from ...superelement.relaxation import MAX_ELEMENTS, MAX_LOSS_RIPPLE, fit
 
-LARGEST_LOSS = 1.0
 MAX_BAND_RATIO = 1e9  # of the ends of a band
 LossFactor = Annotated[float, Field(ge=0.0, le=LARGEST_LOSS)]
 

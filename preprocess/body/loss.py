@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from ...superelement.relaxation import Fit, fit, fitted, stiffening
 from ...superelement.validation import Array
 from .body import Body
 from .damping import Damping
 from .material import Material, Section
-from .relaxation import Fit, fit, fitted, stiffening
 
 STIFFNESS_KEYS = ("E", "G", "EA", "EI_y", "EI_z", "GJ", "GA_y", "GA_z")
 """Keys of materials and sections that a softer material scales."""
@@ -26,7 +26,9 @@ def stiffenings(body: Body) -> dict[str, float]:
     """The modulus at the reference frequency over the static one, by group; "" of a whole."""
     fits = fits_of(body)
     return {
-        name: 1.0 if found is None else stiffening(found, body.damping.reference)
+        name: 1.0
+        if found is None
+        else stiffening(found.tau, found.amplitude, body.damping.reference)
         for name, found in fits.items()
     }
 

@@ -49,6 +49,11 @@ def write_body(body: AnyBody, path: str | os.PathLike[str]) -> None:
         beside = path.with_suffix(".vtu")
         write_mesh(body.mesh, beside)
         table["mesh"] = beside.name
+    for name, derivative in body.derivatives.items() if isinstance(body, Body) else ():
+        if isinstance(derivative.mesh, Mesh):
+            beside = path.with_name(f"{path.stem}-{name}.vtu")
+            write_mesh(derivative.mesh, beside)
+            table["derivatives"][name]["mesh"] = beside.name
     with renamed_when_whole(path, failure=BodyError) as temporary:
         temporary.write_text(toml_of(_in_file(table, path.parent)), encoding="utf-8")
 

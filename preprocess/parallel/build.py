@@ -94,6 +94,8 @@ def _read(body: Body, warn: Warn) -> SolidSource:
         raise MethodError("[rotation] takes one process: expected none, or no MPI")
     if body.surfaces:
         raise MethodError("[surfaces] take one process: expected none, or no MPI")
+    if body.derivatives:
+        raise MethodError("[derivatives] take one process: expected none, or no MPI")
     if body.measured is not None:
         raise MethodError("[measured] takes one process: expected none, or no MPI")
     if body.matrices is not None:

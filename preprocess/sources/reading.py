@@ -80,20 +80,25 @@ def files_of(body: AnyBody) -> tuple[Path, ...]:
     return (*body.files, *of_nodes, *measured)
 
 
+def mesh_of_body(body: Body, given: Path | Mesh) -> Mesh:
+    """A mesh of a body as its elements use it: in meters, and of the order that is asked for."""
+    # A mesh in memory was scaled when it was made.
+    if isinstance(given, Mesh):
+        mesh = given.with_shells(body.shells)
+        # Made with shells that this body does not have.
+        mesh = mesh if mesh.used.all() else mesh.without_loose_nodes()
+    elif is_cad(given):
+        mesh = mesh_of_cad(body, given)
+    else:
+        mesh = read_mesh(given, body.scale, body.shells)
+    return quadratic(mesh) if body.order == 2 else mesh
+
+
 def read_mesh_source(body: Body) -> MeshSource:
     """Read the mesh of a body; `BodyError` for a body of matrices."""
     if body.mesh is None:
         raise BodyError("a dry run draws what was selected on a mesh, found [matrices]")
-    # A mesh in memory was scaled when it was made.
-    if isinstance(body.mesh, Mesh):
-        mesh = body.mesh.with_shells(body.shells)
-        # Made with shells that this body does not have.
-        mesh = mesh if mesh.used.all() else mesh.without_loose_nodes()
-    elif is_cad(body.mesh):
-        mesh = mesh_of_cad(body, body.mesh)
-    else:
-        mesh = read_mesh(body.mesh, body.scale, body.shells)
-    return source_of(quadratic(mesh) if body.order == 2 else mesh, body)
+    return source_of(mesh_of_body(body, body.mesh), body)
 
 
 def with_body(source: Source, body: Body) -> Source:
@@ -106,7 +111,7 @@ def with_body(source: Source, body: Body) -> Source:
 
 
 def source_of(mesh: Mesh, body: Body) -> MeshSource:
-    """The source of a mesh, which has its middle nodes if the body asks for some."""
+    """The source of a mesh, as its elements use it."""
     if mesh.body_types == LINE_CELLS:
         if body.shell is not None or body.shells:
             raise BodyError(f"{mesh.name}: [shell] is for triangles and quadrangles, found lines")

@@ -12,7 +12,6 @@ the interfaces, as linear statics has them.
 """
 
 import os
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -229,10 +228,7 @@ def _nearest(time: Array, at: float) -> int:
 
 def _unit(element: Superelement) -> float:
     """The unit of the coordinates of its mesh [m], `scale` of the body file that it keeps."""
-    try:
-        scale = tomllib.loads(element.provenance.body).get("scale", 1.0)
-    except tomllib.TOMLDecodeError:
-        return 1.0
+    scale = element.provenance.tables.get("scale", 1.0)
     return float(scale) if isinstance(scale, int | float) else 1.0
 
 

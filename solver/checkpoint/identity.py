@@ -41,7 +41,7 @@ KEY_OF_FIELD = {
 """fields of a model by the keys of files"""
 # Other versions may round otherwise, and a run would not go on to the bit.
 NUMERICAL_LIBRARIES = ("numpy", "scipy", "numba", "llvmlite")
-BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance", "outline"})
+BESIDES_THE_NUMBERS = frozenset({"recovery", "provenance", "outline", "derivatives", "variation"})
 """fields of superelements that no step reads"""
 SHAPE_FIELD = "shape"
 """the field of rigid bodies that no step reads"""

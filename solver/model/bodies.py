@@ -167,7 +167,8 @@ class FlexibleBody(_OfSuperelement, Entry):
     superelement : Superelement
     start : Start
     source : str
-        The path of the file of the superelement, "" if there is none.
+        The path of the file of the superelement, "" if there is none: of its base, if it was
+        scaled.
     second_order : {"auto", "full", "off"}
         Whether its elastic motion has terms of second order, which fast rotation and large loads
         need: where the superelement has them, or always (an error where it has not), or never.

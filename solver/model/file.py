@@ -7,12 +7,12 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, overload
 
-from pydantic import ConfigDict, Field, create_model
+from pydantic import ConfigDict, Field, PositiveFloat, create_model
 
 from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
 from ...inputs import Table, Vector, document_of, quoted, read_table, rule, toml_of
-from ...superelement import Superelement, read
+from ...superelement import Superelement, read, with_parameters
 from ..couplings.bearings import Bearing
 from ..couplings.contacts import Contact
 from ..couplings.couplers import Coupler
@@ -60,11 +60,20 @@ from .settings import INTERVAL_FORMS, Settings, StartFrom
 MOTION_CLASSES = PrescribedDisplacement, PrescribedRotation, PrescribedOrientation
 
 
+class _Scale(Table):
+    """Factors of the superelement of a body: of all its stiffness, mass, and damping."""
+
+    stiffness: PositiveFloat = 1.0
+    density: PositiveFloat = 1.0
+    damping: PositiveFloat = 1.0
+
+
 class _Body(Table):
     """The table of a rigid or a flexible body.
 
     rigid: whether a body is to have the mass, inertia, interfaces and outline of its superelement
-    without its elasticity.
+    without its elasticity. scale: factors of what the file of the superelement has; design: values
+    of its design parameters, by the names of its derivatives.
     """
 
     model_config = ConfigDict(
@@ -76,6 +85,8 @@ class _Body(Table):
     superelement: Annotated[Path, Field(strict=False)] | None = None
     rigid: bool | None = None
     second_order: SecondOrder | None = None
+    scale: _Scale | None = None
+    design: dict[str, float] | None = None
 
     @rule
     def _rigid_or_flexible(self) -> None:
@@ -87,6 +98,10 @@ class _Body(Table):
             )
         if self.superelement is None and self.second_order is not None:
             raise ValueError("second_order belongs to flexible bodies, found no superelement")
+        if self.superelement is None and self.scale is not None:
+            raise ValueError("scale belongs to bodies with a superelement, found none")
+        if self.superelement is None and self.design is not None:
+            raise ValueError("design belongs to bodies with a superelement, found none")
         if self.superelement is None and self.rigid is not None:
             raise ValueError(
                 "rigid belongs to bodies with a superelement, found none: a body with mass and "
@@ -305,9 +320,10 @@ def model_of_tables(
     # Motions have no table of their kind, and files have both kinds of contacts in one array.
     named = (name for name in TABLES_OF_ARRAYS if name not in ("motions", "contacts"))
     entries = {name: value_of(getattr(file, name)) for name in named}
+    varied: dict[tuple[Path, str], Superelement] = {}
     return Model(
         bodies={
-            name: _body(name, present_keys(body), path.parent, superelements)
+            name: _body(name, present_keys(body), path.parent, superelements, varied)
             for name, body in file.bodies.items()
         },
         **entries,
@@ -323,8 +339,13 @@ def model_of_tables(
 
 
 def _body(
-    name: str, values: dict[str, Any], folder: Path, superelements: dict[Path, Superelement]
+    name: str,
+    values: dict[str, Any],
+    folder: Path,
+    superelements: dict[Path, Superelement],
+    varied: dict[tuple[Path, str], Superelement],
 ) -> Body:
+    """superelements: by their files; varied: those made from them, by their parameters too."""
     try:
         if "superelement" not in values:
             return entry_of(RigidBody, values)
@@ -333,13 +354,23 @@ def _body(
         if source not in superelements:
             # Fields of the surface are large, and no step needs them: results read them when asked.
             superelements[source] = read(source, recovery=False)
+        tables = _parameters(values)
+        if (key := (source, str(tables))) not in varied:
+            varied[key] = with_parameters(superelements[source], tables)
+        element = varied[key]
         start = entry_of(Start, values)
         if values.get("rigid", False):
-            return RigidSuperelement(superelements[source], start, str(source))
+            return RigidSuperelement(element, start, str(source))
         second_order = values.get("second_order", "auto")
-        return FlexibleBody(superelements[source], start, str(source), second_order)
+        return FlexibleBody(element, start, str(source), second_order)
     except ValueError as error:
         raise ModelError(f"bodies.{name}: {error}") from error
+
+
+def _parameters(values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+    """The parameters of the superelement of a body, by its table."""
+    tables = {"design": dict(values.get("design", {}))}
+    return tables | ({"scale": present_keys(values["scale"])} if "scale" in values else {})
 
 
 def _contacts(file: Any, kind: type[Entry]) -> tuple[Any, ...]:
@@ -406,4 +437,6 @@ def _body_in_file(name: str, body: Body, folder: Path) -> dict[str, Any]:
         chosen = {"rigid": True}
     elif body.second_order != "auto":
         chosen = {"second_order": body.second_order}
+    if (variation := body.superelement.variation) is not None:
+        chosen |= variation.tables
     return {"superelement": relative(body.source, folder), **chosen, **table_in_file(body.start)}

@@ -33,7 +33,7 @@ class Variation:
                 if not body.source:
                     self._unnamed.add(name)
                     body = replace(body, source=str(folder / f"superelement of {name}"))
-                self._superelements[folder / body.source] = body.superelement
+                self._superelements[folder / body.source] = body.superelement.base
             bodies[name] = body
         if tables is None:
             with about(model.path), beside(folder):

@@ -17,6 +17,7 @@ from ..couplings.coupling import GROUND
 from ..errors import ModelError
 from ..lower.lower import LoweredModel, pattern_names
 from ..lower.surfaces import flexible_surfaces
+from ..model.bodies import FlexibleBody
 from ..model.model import Model
 from ..signals.curves import Input
 from ..step.system import Output
@@ -31,11 +32,19 @@ def requested(lowered: LoweredModel, checks: tuple[str, ...] = ()) -> Contents:
     `ModelError` for an unknown quantity.
     """
     check_request(lowered)
-    files = {
-        name: SuperelementFile.of(body.source) if body.source else SuperelementFile("")
-        for name, body in lowered.model.flexible_bodies.items()
-    }
+    files = {name: _file_of(body) for name, body in lowered.model.flexible_bodies.items()}
     return lay_out(axes_of(lowered), files, lowered.model.settings.output.selects, checks)
+
+
+def _file_of(body: FlexibleBody) -> SuperelementFile:
+    """The file of its superelement, and the parameters that are not those of the file."""
+    variation = body.superelement.variation
+    text = "" if variation is None else variation.text
+    return (
+        SuperelementFile.of(body.source, text)
+        if body.source
+        else SuperelementFile("", variation=text)
+    )
 
 
 def check_request(lowered: LoweredModel) -> None:

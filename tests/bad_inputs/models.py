@@ -28,6 +28,7 @@ place = {frame = "root", on = "hub.rim"}
 [bodies.pad]
 superelement = "beam.h5"
 position = [0, 0, 5]
+scale = {stiffness = 1.5, density = 0.8, damping = 2.0}
 
 [bodies.ball]
 mass = 1.0

@@ -186,7 +186,7 @@ def test_only_rows_that_are_whole_count(tmp_path):
     [
         (
             {"version": 2},
-            "results file of version 2; this Duhamel reads versions 3 to 11: run the model again",
+            "results file of version 2; this Duhamel reads versions 3 to 12: run the model again",
         ),
         (
             {"format": "duhamel-superelement"},

@@ -204,7 +204,7 @@ def cut(file, name, data):
         ),
         (
             lambda file: file.attrs.update(version=2),
-            "disc-results.h5: results file of version 2; this Duhamel reads versions 3 to 11: "
+            "disc-results.h5: results file of version 2; this Duhamel reads versions 3 to 12: "
             "run the model again$",
         ),
         (

@@ -406,9 +406,9 @@ FAULTS = {
         "attribute 'format': expected 'duhamel-superelement', found 'vtk'",
     ),
     "no format": (without_attribute("/", "format"), "attribute 'format' is missing"),
-    "version 7": (
-        with_attribute("/", "version", 7),
-        "attribute 'version': expected 1 or 2 or 3 or 4 or 5 or 6, found 7$",
+    "version 8": (
+        with_attribute("/", "version", 8),
+        "attribute 'version': expected 1 or 2 or 3 or 4 or 5 or 6 or 7, found 8$",
     ),
     "version 1 with the dataset of version 2": (
         with_attribute("/", "version", 1),
@@ -416,7 +416,7 @@ FAULTS = {
     ),
     "version list": (
         with_attribute("/", "version", [1, 2]),
-        r"attribute 'version': expected 1 or 2 or 3 or 4 or 5 or 6, found array\(\[1, 2\]\)",
+        r"attribute 'version': expected 1 or 2 or 3 or 4 or 5 or 6 or 7, found array\(\[1, 2\]\)",
     ),
     "other units": (
         with_attribute("/", "units", "mm"),

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import nnls
 
-from ...superelement.validation import Array
+from ..files.arrays import Array
 
 MAX_LOSS_RIPPLE = 0.02  # deviation of the loss factor within the band, relative to it
 MAX_ELEMENTS = 30  # no band needs them whose materials are known
@@ -57,10 +57,10 @@ def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     return Fit(tau, amplitude, float(ripple))
 
 
-def stiffening(found: Fit, reference: float) -> float:
+def stiffening(tau: Array, amplitude: Array, reference: float) -> float:
     """Re c at a frequency [Hz]: the modulus there over that of the relaxed material."""
-    x = 2j * np.pi * reference * found.tau
-    return float((1.0 + (x / (1.0 + x)) @ found.amplitude).real)
+    x = 2j * np.pi * reference * tau
+    return float((1.0 + (x / (1.0 + x)) @ amplitude).real)
 
 
 def _times(band: tuple[float, float], n: int, overhang: float) -> Array:
