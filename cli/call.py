@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from importlib.metadata import version
 from math import isfinite
 from typing import Annotated, Any
@@ -134,7 +134,7 @@ def _keep_failure(call: Call, trace: str = "") -> None:
     from ..solver.compiler.cache import opened_cache
 
     kept = {
-        "time": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "duhamel": version("duhamel"),
         "arguments": list(call.arguments),
         "error": call.error,

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -71,12 +71,12 @@ def without_names(text: str, arguments: Sequence[str] = ()) -> str:
     text = ABSOLUTE_FOLDERS.sub(".../", text)
     for name, sign in ((_user(), "<user>"), (platform.node(), "<host>")):
         if len(name) >= MIN_NAME:
-            text = re.sub(rf"\b{re.escape(name)}\b", lambda _, sign=sign: sign, text)
+            text = re.sub(rf"\b{re.escape(name)}\b", sign, text)
     return text
 
 
 def _now() -> str:
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+    return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def _is_checkout() -> bool:

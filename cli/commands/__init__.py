@@ -34,7 +34,10 @@ HELP_ORDER = (
 
 def command_names() -> list[str]:
     """The names of all commands."""
-    names = {path.stem.removesuffix("_").replace("_", "-") for path in Path(__file__).parent.glob("[!_]*.py")}
+    names = {
+        path.stem.removesuffix("_").replace("_", "-")
+        for path in Path(__file__).parent.glob("[!_]*.py")
+    }
     return [*HELP_ORDER, *sorted(names.difference(HELP_ORDER))]
 
 

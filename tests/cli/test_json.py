@@ -1,4 +1,4 @@
-"""`--json`: one record on the standard output, as docs/command-line.md describes it, also of errors."""
+"""`--json`: one record on the standard output, as docs/command-line.md has it, also of errors."""
 
 import json
 import re
@@ -141,8 +141,9 @@ def test_people_read_the_same_on_the_standard_error(runner, model_file):
 
 
 def test_warnings_are_in_the_record(record_of, model_file):
-    short = 'type = "force"\non = "bob"\ndirection = [0, 1, 0]\nsignal = {half_sine = 1, duration = 1e-3}'
-    model_file.write_text(f"{PENDULUM}\n[[loads]]\n{short}\n")
+    load = 'type = "force"\non = "bob"\ndirection = [0, 1, 0]'
+    signal = "signal = {half_sine = 1, duration = 1e-3}"
+    model_file.write_text(f"{PENDULUM}\n[[loads]]\n{load}\n{signal}\n")
     (warning,) = record_of("check", model_file)["warnings"]
     assert warning.startswith(f"{model_file}: ")
     assert "a pulse of 0.001 s has 1 steps" in warning
