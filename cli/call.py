@@ -24,7 +24,7 @@ LAST_FAILURE_FILE = "last-failure.json"
 # Typer brings its own copy of click, or takes that of click: by its name either is found.
 ClickException: Any = typer.BadParameter.__mro__[2]
 
-Json = Annotated[
+AsJson = Annotated[
     bool,
     typer.Option(JSON_OPTION, help="Print one record in JSON; all else goes to standard error."),
 ]
@@ -64,7 +64,7 @@ class Call:
 _current: ContextVar[Call | None] = ContextVar("call", default=None)
 
 
-def answer(content: Mapping[str, Any]) -> None:
+def give_record(content: Mapping[str, Any]) -> None:
     """Give the record of this call its content."""
     if (call := _current.get()) is not None:
         call.content = content

@@ -97,7 +97,7 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
                 show(message, category, *where, **more)
             elif str(message) not in told:  # a Campbell diagram has one at each speed
                 told.add(str(message))
-                warn(str(message))
+                tell_warning(str(message))
 
         warnings.showwarning = show_own
         try:
@@ -125,7 +125,7 @@ def unwritten(target: Path, before: str = "") -> Iterator[None]:
         raise KeyboardInterrupt(f"{told}; {target} {state}") from interrupt
 
 
-def warn(message: str) -> None:
+def tell_warning(message: str) -> None:
     """A warning as one line, `warning: ...`, and in the record of the call."""
     note_warning(message)
     typer.echo(one_line(f"warning: {message}"), err=True)

@@ -22,7 +22,12 @@ from ..inputs import InputError, read_toml
 from .call import last_failure
 
 REPORT_VERSION = 1
-SETTINGS = ("DUHAMEL_COMPILER", "NUMBA_DISABLE_JIT", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+REPORTED_VARIABLES = (
+    "DUHAMEL_COMPILER",
+    "NUMBA_DISABLE_JIT",
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+)
 USER_FOLDER_SIGN = "<user folder>"
 DISTRIBUTION_NAME = re.compile(r"[\w.-]+")
 # An absolute path up to its last name; behind a letter or a bracket a slash begins none.
@@ -48,7 +53,7 @@ def report(model_file: Path | None = None) -> str:
         },
         "packages": dict(_packages()),
         "machine": dict(_machine()),
-        "settings": {name: os.environ[name] for name in SETTINGS if name in os.environ},
+        "settings": {name: os.environ[name] for name in REPORTED_VARIABLES if name in os.environ},
         "compiled_code": dict(_compiled_code()),
     }
     if model_file is not None:

@@ -19,7 +19,7 @@ from ..superelement import Check, Modes, Superelement
 Record = dict[str, Any]
 
 
-def of_superelement(file: Path, element: Superelement) -> Record:
+def superelement_record(file: Path, element: Superelement) -> Record:
     """The record of `duhamel info`."""
     kernel, source = element.kernel, element.provenance
     return {
@@ -73,7 +73,7 @@ def _modes_of_body(modes: Modes) -> Record:
     }
 
 
-def of_checks(file: Path, name: str, checks: Sequence[Check], with_mesh: bool) -> Record:
+def checks_record(file: Path, name: str, checks: Sequence[Check], with_mesh: bool) -> Record:
     """The record of `duhamel check` of a superelement."""
     return {
         "file": str(file),
@@ -95,7 +95,7 @@ def of_checks(file: Path, name: str, checks: Sequence[Check], with_mesh: bool) -
     }
 
 
-def of_model(file: Path, checked: ModelCheck) -> Record:
+def model_record(file: Path, checked: ModelCheck) -> Record:
     """The record of `duhamel check` of a model."""
     return {
         "file": str(file),
@@ -117,11 +117,11 @@ def of_model(file: Path, checked: ModelCheck) -> Record:
         "expected_memory_bytes": checked.memory,
         "results_rows": checked.rows,
         "results_bytes": checked.results_size,
-        "validity_of_first_steps": of_validity(checked.validity),
+        "validity_of_first_steps": validity_records(checked.validity),
     }
 
 
-def of_validity(validity: Validity) -> list[Record]:
+def validity_records(validity: Validity) -> list[Record]:
     """Each check of a run or a linear analysis, the ones that are not known included."""
     return [
         {
@@ -138,7 +138,7 @@ def of_validity(validity: Validity) -> list[Record]:
     ]
 
 
-def of_run(model_file: Path, target: Path, results: Results, seconds: float) -> Record:
+def run_record(model_file: Path, target: Path, results: Results, seconds: float) -> Record:
     """The record of `duhamel run`. seconds [s]: of the whole call."""
     solver = results.solver
     has_energy = "energy" in results.recorded
@@ -159,11 +159,11 @@ def of_run(model_file: Path, target: Path, results: Results, seconds: float) -> 
         ),
         "energy_imbalance_j": float(results.energy.imbalance()[0]) if has_energy else None,
         "within_limits": not results.validity.warnings,
-        "validity": of_validity(results.validity),
+        "validity": validity_records(results.validity),
     }
 
 
-def of_peaks(results_file: Path, peaks: Sequence[Peak]) -> Record:
+def peaks_record(results_file: Path, peaks: Sequence[Peak]) -> Record:
     """The record of `duhamel peaks`."""
     return {
         "results_file": str(results_file),
@@ -191,7 +191,7 @@ def of_peaks(results_file: Path, peaks: Sequence[Peak]) -> Record:
     }
 
 
-def of_modes(model_file: Path, spin: float, modes: LinearModes, validity: Validity) -> Record:
+def modes_record(model_file: Path, spin: float, modes: LinearModes, validity: Validity) -> Record:
     """The record of `duhamel modes`."""
     return {
         "model_file": str(model_file),
@@ -209,5 +209,5 @@ def of_modes(model_file: Path, spin: float, modes: LinearModes, validity: Validi
             for k in range(len(modes))
         ],
         "within_limits": not validity.warnings,
-        "validity": of_validity(validity),
+        "validity": validity_records(validity),
     }

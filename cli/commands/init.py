@@ -45,12 +45,12 @@ def tell_next(kind: "StarterKind", folder: Path) -> None:
     from .. import starters
 
     typer.echo(one_line(f"{folder}: a project, with README.md. Next:"))
-    typer.echo(one_line(f"  cd {quoted(folder)}"))
+    typer.echo(one_line(f"  cd {shell_word(folder)}"))
     for command in starters.commands(kind)[:3]:
         typer.echo(f"  {command}")
 
 
-def quoted(path: Path) -> str:
+def shell_word(path: Path) -> str:
     """A path as the shell of the system takes it in one piece."""
     text = str(path)
     if os.name == "nt":

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ..arguments import ModelFile
-from ..call import Json, answer
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line
 from ..linear import (
     LinearOutput,
@@ -28,14 +28,14 @@ def modes(
     n: ModeCount = 12,
     spin: Spin = None,
     output: LinearOutput = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Modes of a model about its equilibrium: frequencies, damping, and shapes as a picture."""
     from rich.console import Console
 
     from ... import files, solver, superelement, view
     from ..linear_report import modes_csv, modes_picture, modes_table
-    from ..records import of_modes
+    from ..records import modes_record
 
     with errors_in_one_line(files, solver, superelement, view):
         if output is not None:
@@ -45,7 +45,7 @@ def modes(
         found = linear.modes(n)
         title = linear_title(model_file, linear.spin)
         validity = linear.validity(found)
-        answer(of_modes(model_file, linear.spin, found, validity))
+        give_record(modes_record(model_file, linear.spin, found, validity))
         Console().print(modes_table(title, found))
         tell_validity(model, validity)
         if output is not None:

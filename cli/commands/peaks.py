@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from ..arguments import Gravities, ResultsFile
-from ..call import Json, answer
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line, one_line
 
 Quantities = Annotated[
@@ -18,7 +18,7 @@ def peaks(
     results_file: ResultsFile,
     quantities: Quantities = None,
     gravities: Gravities = False,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Tell the largest and smallest values of quantities, when they occur, and where.
 
@@ -30,12 +30,12 @@ def peaks(
 
     from ... import results
     from ..peaks import peaks_table, places
-    from ..records import of_peaks
+    from ..records import peaks_record
 
     with errors_in_one_line(results):
         read = results.Results.read(results_file)
         found = results.peaks(read, quantities or (), gravities)
-    answer(of_peaks(results_file, found))
+    give_record(peaks_record(results_file, found))
     Console().print(peaks_table(results_file.stem, found))
     for place in places(found):
         typer.echo(one_line(place))
