@@ -12,7 +12,6 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib.metadata import version
 from math import isfinite
 from typing import Annotated, Any
 
@@ -51,7 +50,7 @@ class Call:
         """All that a program is told of the call."""
         known = {
             "schema_version": RECORD_VERSION,
-            "duhamel_version": version("duhamel"),
+            "duhamel_version": _version(),
             "command": self.command,
             "exit_code": exit_code,
             "warnings": self.warnings,
@@ -97,6 +96,8 @@ def call_of(arguments: Sequence[str]) -> Iterator[None]:
     except ClickException as error:
         exit_code, call.error = error.exit_code, error.format_message()
         raise
+    except BrokenPipeError:  # the reader has gone, as `head`: no failure of the command
+        raise
     except Exception as error:
         exit_code, call.error = 1, f"{type(error).__name__}: {error}"
         _keep_failure(call, traceback.format_exc())
@@ -105,7 +106,13 @@ def call_of(arguments: Sequence[str]) -> Iterator[None]:
         _current.reset(token)
         if call.wants_json:
             record = json.dumps(plain(call.record(exit_code)), indent=2, allow_nan=False)
-            print(record, file=output)
+            print(record, file=output, flush=True)
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("duhamel")
 
 
 def plain(value: Any) -> Any:
@@ -135,7 +142,7 @@ def _keep_failure(call: Call, trace: str = "") -> None:
 
     kept = {
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
-        "duhamel": version("duhamel"),
+        "duhamel": _version(),
         "arguments": list(call.arguments),
         "error": call.error,
         "traceback": trace,

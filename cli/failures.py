@@ -35,8 +35,11 @@ class Commands(TyperGroup):
         return rest
 
     def invoke(self, ctx: Any) -> Any:
-        with call_of(ctx.meta[ARGUMENTS_KEY]):
-            return self._invoke(ctx)
+        try:
+            with call_of(ctx.meta[ARGUMENTS_KEY]):
+                return self._invoke(ctx)
+        except OSError as error:  # of the record itself
+            _fail(_of_the_system(error), error)
 
     def _invoke(self, ctx: Any) -> Any:
         try:

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -184,3 +186,14 @@ def test_without_it_nothing_is_a_record(runner, element_file):
     assert done.exit_code == 0
     assert read(element_file).name in done.stdout
     assert "schema_version" not in done.stdout
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux has it")
+def test_a_full_disk_under_the_record_is_one_line(element_file):
+    with Path("/dev/full").open("w") as full:
+        words = [sys.executable, "-m", "duhamel", "info", element_file, "--json"]
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == (
+        "error: standard output: cannot be written: No space left on device"
+    )
