@@ -120,3 +120,14 @@ def test_a_file_is_locked_by_a_byte(windows, monkeypatch):
     assert locked == [LOCKED_BYTE]
     assert not lock(handle)
     os.close(handle)
+
+
+def test_results_that_another_program_has_open_stay_and_the_new_ones_lie_beside(windows, runner):
+    call(runner, "run", "ball.toml")
+    with (windows / "ball-results.h5").open("rb"):
+        done = runner.invoke(app, ["run", "ball.toml"])
+    assert done.exit_code == 1
+    assert "ball-results.h5: cannot be written: The process cannot access the file" in done.stderr
+    assert (windows / "ball-results.h5.partial").exists()
+    call(runner, "run", "ball.toml")
+    assert not (windows / "ball-results.h5.partial").exists()
