@@ -2,7 +2,9 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV ?= .venv
-BIN := $(VENV)/bin
+# Windows keeps the commands of an environment elsewhere.
+SCRIPTS := $(if $(filter Windows_NT,$(OS)),Scripts,bin)
+BIN := $(VENV)/$(SCRIPTS)
 CI := build/ci
 PACKAGES := files inputs superelement cad results preprocess solver view study robots fmu cli
 DATA := $(wildcard cli/starters/*/* fmu/c/* fmu/c/fmi/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
@@ -29,7 +31,7 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test slow-test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
-.PHONY: wheel wheel-test plain-test coverage python-test lowest-test audit
+.PHONY: wheel wheel-test platform-test plain-test coverage python-test lowest-test audit release
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -67,6 +69,11 @@ wheel-test: $(CI)/3.11/.wheel ## all tests, of the wheel, with every extra: none
 	$(CI)/3.11/bin/python .ci/check_wheel.py build/wheel/*.whl
 	$(CI)/3.11/bin/pytest --complete $(PARALLEL)
 
+platform-test: $(CI)/platform/.installed ## the wheel that lies in build/wheel, on this machine: tests of compiled code and commands
+	$(CI)/platform/$(SCRIPTS)/python -m pip -qq install --no-deps --no-index --force-reinstall build/wheel/*.whl
+	$(CI)/platform/$(SCRIPTS)/python .ci/check_wheel.py build/wheel/*.whl
+	OMP_NUM_THREADS=1 $(CI)/platform/$(SCRIPTS)/python -m pytest -q $(FAST)
+
 plain-test: $(CI)/3.11/.wheel ## tests that run compiled code as plain Python
 	NUMBA_DISABLE_JIT=1 $(CI)/3.11/bin/pytest -q $(PLAIN)
 
@@ -87,6 +94,14 @@ lowest-test: $(CI)/lowest/.wheel ## the wheel with the oldest numba and numpy: t
 
 audit: $(CI)/3.11/.wheel ## known vulnerabilities of what the constraints name, where a list of them is reached
 	$(CI)/3.11/bin/python .ci/audit.py constraints.txt
+
+release: $(CI)/release/.installed $(CI)/tools/.installed ## wheel and sdist of HEAD in build/release, built twice and compared, and checked; TAG=v1.2.3
+	$(CI)/release/bin/python .ci/build_release.py build/release $(TAG)
+	$(CI)/tools/bin/twine check --strict build/release/*
+	$(CI)/tools/bin/check-wheel-contents --ignore W002 build/release/*.whl
+	$(CI)/release/bin/python -m pip -qq install --no-deps --no-index --force-reinstall build/release/*.whl
+	$(CI)/release/bin/python .ci/check_wheel.py build/release/*.whl
+	cd build/release && sha256sum *.whl *.tar.gz
 
 fuzz: $(VENV)/.installed ## damaged files for all readers, for SECONDS=60 from number FIRST=0 on
 	$(BIN)/python -m tests.fuzz.run $(or $(SECONDS),60) $(or $(FIRST),0)
@@ -154,6 +169,19 @@ $(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
 
 $(CI)/3.11/.installed: $(INSTALL)
 	.ci/install $(PYTHON) $(CI)/3.11 constraints.txt $(EVERY) audit
+	@touch $@
+
+$(CI)/tools/.installed: .ci/release_tools.txt
+	$(PYTHON) -m venv $(CI)/tools
+	$(CI)/tools/bin/python -m pip --disable-pip-version-check -qq install -r .ci/release_tools.txt
+	@touch $@
+
+$(CI)/release/.installed: $(INSTALL)
+	.ci/install $(PYTHON) $(CI)/release constraints.txt pytest
+	@touch $@
+
+$(CI)/platform/.installed: $(INSTALL)
+	.ci/install $(PYTHON) $(CI)/platform constraints.txt test
 	@touch $@
 
 $(CI)/lowest/.installed: $(INSTALL) constraints-lowest.txt

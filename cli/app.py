@@ -1,6 +1,8 @@
 """The application: all commands, each a file of the folder `commands`."""
 
 import gc
+import io
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -32,6 +34,9 @@ class _LazyCommands(Commands):
     """The commands, of which a call imports that which it needs: so `duhamel run` starts fast."""
 
     def main(self, *args: Any, **options: Any) -> Any:
+        # A code page of Windows lacks letters that names have: they are escaped, as in errors.
+        if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.encoding.lower() != "utf-8":
+            sys.stdout.reconfigure(errors="backslashreplace")
         with _fewer_collections():
             return super().main(*args, **options)
 

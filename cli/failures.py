@@ -11,6 +11,10 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from .call import call_of, note_error, note_warning
+
+# Of what the context of a call keeps: all words behind the name of the program.
+ARGUMENTS_KEY = "duhamel.arguments"
 # Characters: names of files and models may be of any length.
 MAX_LINE = 2000
 
@@ -25,7 +29,19 @@ class Commands(TyperGroup):
         except OSError as error:
             _fail(_of_the_system(error), error)
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        ctx.meta[ARGUMENTS_KEY] = list(args)
+        rest: list[str] = super().parse_args(ctx, args)
+        return rest
+
     def invoke(self, ctx: Any) -> Any:
+        try:
+            with call_of(ctx.meta[ARGUMENTS_KEY]):
+                return self._invoke(ctx)
+        except OSError as error:  # of the record itself
+            _fail(_of_the_system(error), error)
+
+    def _invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
         except MemoryError as error:
@@ -84,7 +100,7 @@ def errors_in_one_line(*packages: ModuleType, about: Path | None = None) -> Iter
                 show(message, category, *where, **more)
             elif str(message) not in told:  # a Campbell diagram has one at each speed
                 told.add(str(message))
-                typer.echo(one_line(f"warning: {message}"), err=True)
+                tell_warning(str(message))
 
         warnings.showwarning = show_own
         try:
@@ -112,13 +128,27 @@ def unwritten(target: Path, before: str = "") -> Iterator[None]:
         raise KeyboardInterrupt(f"{told}; {target} {state}") from interrupt
 
 
+def tell_warning(message: str) -> None:
+    """A warning as one line, `warning: ...`, and in the record of the call."""
+    note_warning(message)
+    typer.echo(one_line(f"warning: {message}"), err=True)
+
+
 def _stop(interrupt: KeyboardInterrupt) -> NoReturn:
-    typer.echo(one_line(str(interrupt) or "interrupted"), err=True)
+    message = str(interrupt) or "interrupted"
+    note_error(message)
+    typer.echo(one_line(message), err=True)
     raise typer.Exit(INTERRUPTED_CODE) from interrupt
 
 
-def _fail(message: str, cause: BaseException) -> NoReturn:
+def tell_error(message: str) -> None:
+    """An error as one line, `error: ...`, and in the record of the call."""
+    note_error(message)
     typer.echo(one_line(f"error: {message}"), err=True)
+
+
+def _fail(message: str, cause: BaseException) -> NoReturn:
+    tell_error(message)
     raise typer.Exit(1) from cause
 
 

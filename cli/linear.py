@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from .arguments import output_option
-from .failures import one_line
+from .failures import one_line, tell_warning
 
 LinearOutput = Annotated[Path | None, output_option("FILE", "A picture, or a table: FILE.csv.")]
 ModeCount = Annotated[int, typer.Option("-n", "--modes", min=1, max=10_000, help="How many.")]
@@ -25,7 +25,7 @@ def tell_validity(model: Any, validity: Any) -> None:
     if validity.checks:
         typer.echo(str(validity))
     for warning in validity.warnings:
-        typer.echo(one_line(f"warning: {model.path}: {warning}"), err=True)
+        tell_warning(f"{model.path}: {warning}")
 
 
 def linear_title(model_file: Path, spin: float) -> str:

@@ -14,6 +14,10 @@ from typing import Any
 # File systems end names at 255 bytes, and a temporary name is longer than that of its file.
 MAX_KEPT_NAME = 50
 
+IS_WINDOWS = os.name == "nt"
+# Of processes, in the interface of Windows.
+PROCESS_QUERY_LIMITED_INFORMATION, STILL_ACTIVE, ERROR_ACCESS_DENIED = 0x1000, 259, 5
+
 AnyPath = str | os.PathLike[str]
 
 
@@ -78,14 +82,19 @@ def in_words(error: Exception) -> str:
 
 def replace_durably(source: Path, target: Path) -> None:
     """Rename a file, so that after a loss of power one or the other stands at the target whole."""
-    for path in (source, source.parent):
-        handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-        if path == source:
-            source.replace(target)
+    # Windows writes out no file that is open for reading alone, and opens no folders.
+    _write_out(source, os.O_RDWR)
+    source.replace(target)
+    if not IS_WINDOWS:
+        _write_out(source.parent, os.O_RDONLY)
+
+
+def _write_out(path: Path, flags: int) -> None:
+    handle = os.open(path, flags)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def resolved(path: Path) -> Path:
@@ -123,6 +132,8 @@ def _prefix(path: Path) -> str:
 
 
 def _alive(process: int) -> bool:
+    if IS_WINDOWS:  # where signal 0 is Ctrl-C
+        return _is_running(process)
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -130,6 +141,22 @@ def _alive(process: int) -> bool:
     except OSError:  # it belongs to somebody else
         return True
     return True
+
+
+def _is_running(process: int) -> bool:
+    """Whether Windows still knows a process that runs, or one of somebody else."""
+    import ctypes
+
+    windows: Any = ctypes  # of whose interface other systems know nothing
+    kernel = windows.WinDLL("kernel32", use_last_error=True)
+    kernel.OpenProcess.restype = ctypes.c_void_p  # by default half of a handle
+    handle = ctypes.c_void_p(kernel.OpenProcess(PROCESS_QUERY_LIMITED_INFORMATION, False, process))
+    if not handle:
+        return bool(windows.get_last_error() == ERROR_ACCESS_DENIED)
+    code = ctypes.c_ulong()
+    is_known = kernel.GetExitCodeProcess(handle, ctypes.byref(code))
+    kernel.CloseHandle(handle)
+    return not is_known or code.value == STILL_ACTIVE
 
 
 def clash(targets: Iterable[AnyPath], inputs: Mapping[AnyPath, str]) -> str:

@@ -26,6 +26,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ..files.handles import BINARY_FLAG, lock, read_at, readers_lock, unlock, write_at
 from .errors import ResultsError
 
 # Files are compared and replaced by pages of this size: HDF5 changes a few bytes in many places.
@@ -39,8 +40,6 @@ RECORD_LAYOUT = struct.Struct("<QQ")
 PARTIAL_SUFFIX = ".partial"
 # Length of a SHA-256.
 DIGEST_BYTES = 32
-# What network and container file systems without locks answer; then there is no lock to wait for.
-ERRNOS_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS}
 
 
 class BusyError(OSError):
@@ -66,7 +65,7 @@ class Journal:
         which = "partial" if file == partial_of(self.target) else "whole"
         header = f"duhamel journal, process {os.getpid()}\n{which}\n"
         os.ftruncate(self._descriptor, 0)
-        os.pwrite(self._descriptor, header.encode().ljust(HEADER_BYTES, b"\0"), 0)
+        write_at(self._descriptor, header.encode().ljust(HEADER_BYTES, b"\0"), 0)
 
     def write(self, size: int, pieces: list[tuple[int, bytes]], durable: bool) -> None:
         """Keep what is to be done: pieces of the file by address, and its size afterwards."""
@@ -75,7 +74,7 @@ class Journal:
         content = RECORD_LAYOUT.pack(size, len(records)) + records
         try:
             # Behind the header, which stays: it names the process and the file.
-            _write_all(self._descriptor, content + hashlib.sha256(content).digest(), HEADER_BYTES)
+            write_at(self._descriptor, content + hashlib.sha256(content).digest(), HEADER_BYTES)
             if durable:
                 os.fsync(self._descriptor)
         except OSError:
@@ -86,10 +85,18 @@ class Journal:
         os.ftruncate(self._descriptor, HEADER_BYTES)
 
     def close(self) -> None:
-        if self._handle is not None:
+        if self._handle is None:
+            return
+        handle, self._handle = self._handle, None
+        try:
             self.path.unlink(missing_ok=True)
-            os.close(self._handle)
-            self._handle = None
+            remains = False
+        except PermissionError:  # Windows removes no file that is open
+            remains = True
+        os.close(handle)
+        if remains:
+            with suppress(PermissionError):  # the next run has begun with it
+                self.path.unlink(missing_ok=True)
 
     def __del__(self) -> None:
         if getattr(self, "_handle", None) is not None:
@@ -137,7 +144,7 @@ def _recover(target: Path) -> None:
 def _held(path: Path) -> int | None:
     """A descriptor of the file, locked; None while another process or run holds it."""
     while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | BINARY_FLAG, 0o666)
         if not lock(handle):
             os.close(handle)
             return None
@@ -147,32 +154,6 @@ def _held(path: Path) -> int | None:
         except FileNotFoundError:
             pass
         os.close(handle)
-
-
-def lock(handle: int) -> bool:
-    """Lock a file for this descriptor alone; False while others have it open.
-
-    By flock, as HDF5 does. Where there are no locks all is taken to be free.
-    """
-    try:
-        import fcntl
-
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except ImportError:
-        return True
-    except BlockingIOError:
-        return False
-    except OSError as error:
-        if error.errno not in ERRNOS_WITHOUT_LOCKS:
-            raise
-    return True
-
-
-def unlock(handle: int) -> None:
-    with suppress(ImportError, OSError):
-        import fcntl
-
-        fcntl.flock(handle, fcntl.LOCK_UN)
 
 
 def _writer_of(path: Path) -> str:
@@ -185,7 +166,7 @@ def _writer_of(path: Path) -> str:
 
 def _replay(handle: int, target: Path) -> None:
     """Do what a whole journal says, and empty it; nothing where the file is gone."""
-    content = os.pread(handle, os.fstat(handle).st_size, 0)
+    content = read_at(handle, os.fstat(handle).st_size, 0)
     header, body, digest = (
         content[:HEADER_BYTES],
         content[HEADER_BYTES:-DIGEST_BYTES],
@@ -198,7 +179,7 @@ def _replay(handle: int, target: Path) -> None:
         with suppress(FileNotFoundError), path.open("r+b", buffering=0) as file:
             size, _ = RECORD_LAYOUT.unpack_from(body)
             for at, piece in _records(body[RECORD_LAYOUT.size :]):
-                _write_all(file.fileno(), piece, at)
+                write_at(file.fileno(), piece, at)
             # Bytes beyond were appended by a commit that never took place.
             os.ftruncate(file.fileno(), size)
             os.fsync(file.fileno())
@@ -220,13 +201,6 @@ def _pages_of(at: int, n: int) -> range:
     return range(at // PAGE_BYTES, -(-(at + n) // PAGE_BYTES))
 
 
-def _write_all(handle: int, content: bytes | memoryview, at: int) -> None:
-    view = memoryview(content)
-    while view:
-        written = os.pwrite(handle, view, at)
-        view, at = view[written:], at + written
-
-
 class JournaledFile(io.RawIOBase):
     """A file for h5py.File(file, "r+"), whose changes take place when they are committed.
 
@@ -236,7 +210,7 @@ class JournaledFile(io.RawIOBase):
     def __init__(self, path: Path, journal: Journal, durable: bool) -> None:
         super().__init__()
         self.path, self._journal, self._durable = path, journal, durable
-        self._handle = os.open(path, os.O_RDWR)
+        self._handle = os.open(path, os.O_RDWR | BINARY_FLAG)
         # committed: what readers see; reach: how far bytes are on the disk; size: as HDF5 sees the
         # file.
         self._committed = self._reach = self._size = os.fstat(self._handle).st_size
@@ -290,7 +264,7 @@ class JournaledFile(io.RawIOBase):
         ):
             return False
         try:
-            _write_all(self._handle, view, self._at)
+            write_at(self._handle, view, self._at)
         except OSError:  # HDF5 would not survive it; `commit` tries again
             return False
         self._reach = max(self._reach, self._at + len(view))
@@ -316,7 +290,7 @@ class JournaledFile(io.RawIOBase):
         """n bytes as they will be, zeros beyond the end."""
         # Reading beyond the reach would give fewer bytes; HDF5 expects zeros there.
         stored = max(min(n, self._reach - at), 0)
-        content = bytearray(os.pread(self._handle, stored, at).ljust(n, b"\0"))
+        content = bytearray(read_at(self._handle, stored, at).ljust(n, b"\0"))
         for number in _pages_of(at, n):
             if (page := self._pages.get(number)) is not None:
                 start = number * PAGE_BYTES
@@ -349,7 +323,7 @@ class JournaledFile(io.RawIOBase):
 
     def _replace(self, pieces: list[tuple[int, bytes]]) -> None:
         for at, piece in pieces:
-            _write_all(self._handle, piece, at)
+            write_at(self._handle, piece, at)
         os.ftruncate(self._handle, self._size)
         if self._durable:
             os.fsync(self._handle)
@@ -363,7 +337,7 @@ class JournaledFile(io.RawIOBase):
         copy = self._journal.path.with_suffix(".copy")
         try:
             shutil.copyfile(self.path, copy)
-            handle = os.open(copy, os.O_RDWR)
+            handle = os.open(copy, os.O_RDWR | BINARY_FLAG)
             copy.replace(self.path)
         finally:
             copy.unlink(missing_ok=True)
@@ -384,9 +358,9 @@ class JournaledFile(io.RawIOBase):
             # The part of the page before the committed end, which readers may be looking at.
             inside = max(min(self._committed - at, len(piece)), 0)
             if piece[inside:]:
-                _write_all(self._handle, piece[inside:], at + inside)
+                write_at(self._handle, piece[inside:], at + inside)
             # HDF5 often writes what is there already; unchanged bytes need no journal.
-            if inside and os.pread(self._handle, inside, at) != piece[:inside]:
+            if inside and read_at(self._handle, inside, at) != piece[:inside]:
                 replaced.append((at, piece[:inside]))
         return replaced
 
@@ -399,6 +373,9 @@ class JournaledFile(io.RawIOBase):
 
     @contextmanager
     def _alone(self, patience: float) -> Iterator[None]:
+        if not readers_lock():
+            yield
+            return
         deadline = time.monotonic() + patience
         # flock itself has no time limit.
         while not lock(self._handle):

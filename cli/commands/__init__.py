@@ -1,7 +1,8 @@
 """The commands, an open set: each is a file of this folder, with a function of the file's name.
 
 Its docstring and its arguments are the help; those that several commands have are in arguments.py.
-A command that is a word of Python has an underscore after it there: import_.
+A command that is a word of Python has an underscore after it there: import_. An underscore within a
+name is the hyphen of its command: bug_report.
 Commands are imported to show the help of all, so they import what they need when they are called.
 """
 
@@ -27,19 +28,22 @@ HELP_ORDER = (
         "init",
         "import",
     ),
-    *("demo", "schema"),
+    *("tutorial", "demo", "schema", "bug-report"),
 )
 
 
 def command_names() -> list[str]:
     """The names of all commands."""
-    names = {path.stem.removesuffix("_") for path in Path(__file__).parent.glob("[!_]*.py")}
+    names = {
+        path.stem.removesuffix("_").replace("_", "-")
+        for path in Path(__file__).parent.glob("[!_]*.py")
+    }
     return [*HELP_ORDER, *sorted(names.difference(HELP_ORDER))]
 
 
 def command_of(name: str) -> Callable[..., Any]:
     """The function of a command."""
-    function_name = f"{name}_" if iskeyword(name) else name
+    function_name = f"{name}_" if iskeyword(name) else name.replace("-", "_")
     module = import_module(f"{__name__}.{function_name}")
     function: Callable[..., Any] = getattr(module, function_name)
     return function

@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 
 from ..arguments import HDF5_SUFFIXES, TOML_SUFFIX, file_argument, results_of
+from ..call import AsJson, give_record
 from ..completion import files as files_of
-from ..failures import errors_in_one_line, one_line
+from ..failures import errors_in_one_line, one_line, tell_error, tell_warning
 
 CheckedFile = Annotated[
     Path,
@@ -24,7 +25,7 @@ CheckedBody = Annotated[
 ]
 
 
-def check(file: CheckedFile, body: CheckedBody = None) -> None:
+def check(file: CheckedFile, body: CheckedBody = None, as_json: AsJson = False) -> None:
     """Recompute what must hold of a file, and say whether it does; exit with 1 if not.
 
     The suffix says what the file is: FILE.h5 a superelement, FILE.toml a model. The static
@@ -45,13 +46,15 @@ def check(file: CheckedFile, body: CheckedBody = None) -> None:
 
 def _check_model(file: Path) -> None:
     from ... import solver, superelement
+    from ..records import model_record
 
     with errors_in_one_line(solver, superelement):
         checked = solver.check(solver.read_model(file), results_of(file))
+    give_record(model_record(file, checked))
     for line in checked.lines():
         typer.echo(one_line(line))
     for warning in checked.warnings:
-        typer.echo(one_line(f"warning: {file}: {warning}"), err=True)
+        tell_warning(f"{file}: {warning}")
 
 
 def _check_superelement(file: Path, body_file: Path | None) -> None:
@@ -59,6 +62,7 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
 
     from ... import preprocess, superelement
     from ...files.progress import Progress, Work
+    from ..records import checks_record
     from ..tables import table
 
     with errors_in_one_line(superelement):
@@ -75,6 +79,7 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
             # another one.
             with Progress(Work("static solution of the mesh")):
                 checks.append(preprocess.static_check(element, body))
+    give_record(checks_record(file, element.name, checks, with_mesh=body is not None))
     rows = [
         (
             one.where,
@@ -88,7 +93,7 @@ def _check_superelement(file: Path, body_file: Path | None) -> None:
     Console().print(table(element.name, ("dataset", "expected", "found", "limit", "holds"), rows))
     failed = [one for one in checks if not one.holds]
     for one in failed:
-        typer.echo(one_line(f"error: {file}: {one}"), err=True)
+        tell_error(f"{file}: {one}")
     if failed:
         raise typer.Exit(1)
     # A part that is known from its test alone has no mesh to be compared with.

@@ -33,6 +33,7 @@ def demo(folder: DemoFolder = Path("duhamel-demo")) -> None:
     with errors_in_one_line(files, starters, preprocess, solver, superelement, view):
         starters.make(DEMO_STARTER, folder, schemas)
         rod, results_file = folder / "rod.h5", folder / "model-results.h5"
+        report = folder / "model-results.html"
         with _told(rod, "the superelement of the mesh"):
             superelement.write(preprocess.build(preprocess.read_body(folder / "rod.toml")), rod)
         with _told(results_file, "the motion"):
@@ -40,13 +41,15 @@ def demo(folder: DemoFolder = Path("duhamel-demo")) -> None:
             results = solver.simulate(model, output=results_file)
         # Films and reports have libraries of their own, which a demonstration is no reason for.
         if find_spec("plotly") and find_spec("jinja2"):
-            with _told(report := folder / "model-results.html", "a page for any browser"):
+            with _told(report, "a page for any browser"):
                 view.write_report(results, report)
         if find_spec("pyvista") and find_spec("imageio"):
             with _told(film := folder / "film.mp4", "the film"):
                 view.animate(results, film, frames=FILM_FRAMES, size=FILM_SIZE)
         else:
             typer.echo("for a film and a report: pip install 'duhamel[view,report]'")
+    if report.exists():
+        typer.echo(one_line(f"next: open {report} in a browser"))
     typer.echo(one_line(f"next: change {folder / 'model.toml'}, and `duhamel run` it"))
 
 

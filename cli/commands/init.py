@@ -1,13 +1,17 @@
 """`duhamel init`: what a project starts with."""
 
+import os
 import shlex
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from ..failures import errors_in_one_line, one_line
 from .schema import schema_of
+
+if TYPE_CHECKING:
+    from ..starters import StarterKind
 
 Starter = Annotated[
     Literal["beam", "solid", "mechanism"],
@@ -33,7 +37,22 @@ def init(starter: Starter, folder: ProjectFolder = None) -> None:
     target = folder or Path(starter)
     with errors_in_one_line(starters):
         starters.make(starter, target, {name: schema_of(name) for name in ("body", "model")})
-    typer.echo(one_line(f"{target}: a project, with README.md. Next:"))
-    typer.echo(one_line(f"  cd {shlex.quote(str(target))}"))
-    for command in starters.commands(starter)[:3]:
+    tell_next(starter, target)
+
+
+def tell_next(kind: "StarterKind", folder: Path) -> None:
+    """What to do in a project that was just made: the first commands of its README."""
+    from .. import starters
+
+    typer.echo(one_line(f"{folder}: a project, with README.md. Next:"))
+    typer.echo(one_line(f"  cd {shell_word(folder)}"))
+    for command in starters.commands(kind)[:3]:
         typer.echo(f"  {command}")
+
+
+def shell_word(path: Path) -> str:
+    """A path as the shell of the system takes it in one piece."""
+    text = str(path)
+    if os.name == "nt":
+        return f'"{text}"' if " " in text else text
+    return shlex.quote(text)

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from ..arguments import Gravities, ResultsFile
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line, one_line
 
 Quantities = Annotated[
@@ -14,7 +15,10 @@ Quantities = Annotated[
 
 
 def peaks(
-    results_file: ResultsFile, quantities: Quantities = None, gravities: Gravities = False
+    results_file: ResultsFile,
+    quantities: Quantities = None,
+    gravities: Gravities = False,
+    as_json: AsJson = False,
 ) -> None:
     """Tell the largest and smallest values of quantities, when they occur, and where.
 
@@ -26,10 +30,12 @@ def peaks(
 
     from ... import results
     from ..peaks import peaks_table, places
+    from ..records import peaks_record
 
     with errors_in_one_line(results):
         read = results.Results.read(results_file)
         found = results.peaks(read, quantities or (), gravities)
+    give_record(peaks_record(results_file, found))
     Console().print(peaks_table(results_file.stem, found))
     for place in places(found):
         typer.echo(one_line(place))

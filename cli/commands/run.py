@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..arguments import ModelFile, output_option, results_of
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line, one_line, unwritten
 
 if TYPE_CHECKING:
@@ -49,12 +50,14 @@ def run(
     resume: Resume = False,
     anyway: Anyway = False,
     watch: Watch = False,
+    as_json: AsJson = False,
 ) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless given."""
     if anyway and not resume:
         raise typer.BadParameter("--anyway goes with --continue")
     start = perf_counter()
     from ... import solver, superelement
+    from ..records import run_record
     from ..run_report import report
 
     target = output or results_of(model_file)
@@ -69,6 +72,7 @@ def run(
             steps, loop = int(results.solver["steps"]), float(results.solver["seconds"])
             speed = f", {1e6 * loop / steps:.1f} us per step" if steps else ""
             seconds = perf_counter() - start
+            give_record(run_record(model_file, target, results, seconds))
             typer.echo(one_line(f"{target}: {steps} steps, {seconds:.2f} s in all{speed}"))
 
 

@@ -1,4 +1,4 @@
-"""The starter projects of `duhamel init`: a folder each, which is copied, with the schemas."""
+"""The projects of `duhamel init` and `tutorial`: a folder each, copied with the schemas."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -10,8 +10,8 @@ from ...files.outputs import in_words
 
 __all__ = ["StarterError", "commands", "make"]
 
-StarterKind = Literal["beam", "solid", "mechanism"]
-MODEL_NAME = "model.toml"
+StarterKind = Literal["beam", "solid", "mechanism", "tutorial"]
+MODEL_NAMES = ("model.toml", "knock.toml")
 README_NAME = "README.md"
 SCHEMA_FOLDER = "schemas"
 
@@ -58,7 +58,7 @@ def _files(kind: StarterKind, schemas: Mapping[str, Any]) -> Iterator[tuple[str,
     for path in sorted(_template(kind).iterdir()):
         content = path.read_bytes()
         if path.suffix == ".toml":
-            name = "model" if path.name == MODEL_NAME else "body"
+            name = "model" if path.name in MODEL_NAMES else "body"
             content = f"#:schema {SCHEMA_FOLDER}/{name}.json\n".encode() + content
         yield path.name, content
     for name in ("body", "model"):

@@ -18,12 +18,13 @@ from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 
+from ...files.handles import BINARY_FLAG
+
 BY_FOLDER = os.open in os.supports_dir_fd and os.scandir in os.supports_fd
 """whether files can be opened relative to an open folder; not on Windows, where the folders of
 users are kept apart"""
 NO_FOLLOW_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 """flags by which links are not followed and a pipe does not wait for its other end"""
-BINARY_FLAG = getattr(os, "O_BINARY", 0)
 
 
 class NotPrivateError(OSError):

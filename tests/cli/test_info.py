@@ -1,6 +1,9 @@
 """`duhamel info`: what it shows of a superelement, and how it fails."""
 
+import os
 import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -119,3 +122,15 @@ def test_loss_factors_of_several_materials_are_those_of_modes(runner, element, t
     path = lossy(element, tmp_path / "lossy.h5", [[0.02] * 12, [0.0] * 6 + [0.02] * 6], 0.0)
     found = cells(runner.invoke(app, ["info", str(path)]).stdout)["loss factor"]
     assert re.match(r"0\.00\d+ to 0\.01\d+, by the strain energy that modes of the free", found)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_letters_that_the_terminal_does_not_have_are_escaped(element, tmp_path, encoding):
+    write(tmp_path / "beam.h5", replace(element, name="\N{CJK UNIFIED IDEOGRAPH-6881}"))
+    done = subprocess.run(
+        [sys.executable, "-m", "duhamel.cli", "info", tmp_path / "beam.h5"],
+        env={**os.environ, "PYTHONIOENCODING": encoding},
+        capture_output=True,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"\\u6881" in done.stdout
