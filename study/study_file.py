@@ -128,9 +128,8 @@ def study_schema() -> dict[str, Any]:
 
     Examples
     --------
-    >>> sorted(study_schema()["properties"])
-    ['body', 'derived', 'design', 'fit', 'model', 'optimize', 'outputs', 'parameters', 'sensitivity',
-     'table']
+    >>> sorted(study_schema()["properties"])[:5]
+    ['body', 'derived', 'design', 'fit', 'model']
     """
     return document_of(StudyTables, "A study file of Duhamel")
 
