@@ -31,16 +31,18 @@ MAX_DEPARTURE = 1e-6
 """of an output, or of its derivative times the size of a parameter"""
 ABSOLUTE_ROUNDING = 1e-12
 """in SI units, of outputs that are zero but for it"""
-NEARBY = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
+NEARBY_VALUES = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
 """values of s, unevenly: at even ones all switches may lie at the same places of their steps"""
 SCATTER_MARGIN = 2.0
 """over the largest distance from the parabola, which takes half of what six values tell"""
-GOLDEN = 0.6180339887498949
+GOLDEN_RATIO = 0.6180339887498949
 """whose multiples, less whole numbers, are all apart"""
-BESIDE_PARABOLA = np.eye(len(NEARBY)) - np.vander(NEARBY, 3) @ np.linalg.pinv(np.vander(NEARBY, 3))
-"""what is left of values at `NEARBY` less the parabola that fits best"""
-BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY / 1e-2, 5))[-2] / 1e-2
-"""weights of values at `NEARBY` in the slope at 0 of the polynomial of fourth degree"""
+BESIDE_PARABOLA = np.eye(len(NEARBY_VALUES)) - np.vander(NEARBY_VALUES, 3) @ np.linalg.pinv(
+    np.vander(NEARBY_VALUES, 3)
+)
+"""what is left of values at `NEARBY_VALUES` less the parabola that fits best"""
+BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY_VALUES / 1e-2, 5))[-2] / 1e-2
+"""weights of values at `NEARBY_VALUES` in the slope at 0 of the polynomial of fourth degree"""
 
 
 class DualSlopes(NamedTuple):
@@ -130,12 +132,12 @@ class _Nearby:
         self._asked, self._scales = asked, scales
         # All parameters by the same share would leave ratios, and the places of switches, alone.
         shares = [
-            (-1.0) ** j * (1.0 - 0.4 * (GOLDEN * j % 1.0)) * scale
+            (-1.0) ** j * (1.0 - 0.4 * (GOLDEN_RATIO * j % 1.0)) * scale
             for j, scale in enumerate(scales.values())
         ]
         self._direction = np.array(shares)
         self._runs: dict[float, DifferentiatedRun] = {}
-        for s in NEARBY[NEARBY != 0.0].tolist():
+        for s in NEARBY_VALUES[NEARBY_VALUES != 0.0].tolist():
             ends = zip(values.items(), shares, strict=True)
             try:
                 self._runs[s] = differentiation.at({name: v + s * w for (name, v), w in ends})
@@ -145,9 +147,9 @@ class _Nearby:
     def errors(self, found: DifferentiatedRun, value: Array) -> Array:
         """Errors (m, parameters) of derivatives; infinite where there are no runs nearby."""
         runs = self._runs | {0.0: found}
-        if len(runs) < len(NEARBY):
+        if len(runs) < len(NEARBY_VALUES):
             return np.full(value.shape, np.inf)
-        ordered = [runs[s] for s in NEARBY.tolist()]
+        ordered = [runs[s] for s in NEARBY_VALUES.tolist()]
         derivatives = np.array([_chained(run, self._asked, self._scales)[0] for run in ordered])
         numbers = np.array([self._asked.numbers(run.values) for run in ordered])
         scatter = np.einsum("st,tmp->smp", BESIDE_PARABOLA, derivatives)

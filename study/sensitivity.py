@@ -216,7 +216,7 @@ def by_dual_numbers(
     return _sensitivities(family, results, asked, value, error, notes)
 
 
-METHODS = {"differences": by_differences, "dual": by_dual_numbers}
+SLOPE_METHODS = {"differences": by_differences, "dual": by_dual_numbers}
 
 
 def _sensitivities(
@@ -313,9 +313,9 @@ def _without_derivative(value: Array, asked: AskedNumbers) -> Iterator[str]:
 
 def _taking(method: str) -> Callable[..., Sensitivities]:
     """What takes derivatives by a method."""
-    if method not in METHODS:
-        raise StudyError(f"method: expected {' or '.join(METHODS)}, found {method!r}")
-    return METHODS[method]
+    if method not in SLOPE_METHODS:
+        raise StudyError(f"method: expected {' or '.join(SLOPE_METHODS)}, found {method!r}")
+    return SLOPE_METHODS[method]
 
 
 def _scales(family: Parametrized, scales: Mapping[str, float]) -> dict[str, float]:

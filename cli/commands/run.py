@@ -33,8 +33,8 @@ Anyway = Annotated[
 
 
 # Once steps are made, `simulate` says itself what an interrupt leaves.
-BEFORE = "before the first step"
-Watch = Annotated[
+BEFORE_STEPS = "before the first step"
+LookOn = Annotated[
     bool,
     typer.Option(
         "--watch",
@@ -49,7 +49,7 @@ def run(
     output: Output = None,
     resume: Resume = False,
     anyway: Anyway = False,
-    watch: Watch = False,
+    watch: LookOn = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a model: MODEL-results.h5 beside the model file, unless given."""
@@ -61,7 +61,7 @@ def run(
     from ..run_report import report
 
     target = output or results_of(model_file)
-    with errors_in_one_line(solver, superelement, *_pages(watch)), unwritten(target, BEFORE):
+    with errors_in_one_line(solver, superelement, *_pages(watch)), unwritten(target, BEFORE_STEPS):
         model = solver.read_model(model_file)
         with _watched(model, target) if watch else nullcontext():
             results = solver.simulate(

@@ -13,7 +13,7 @@ from numba.core.typeconv import Conversion
 from numba.extending import register_model
 
 DOUBLE, LANE = ir.DoubleType(), ir.IntType(32)
-NUMBERS = (types.Float, types.Integer, types.Boolean)
+NUMBER_TYPES = (types.Float, types.Integer, types.Boolean)
 
 Number = tuple[Any, Any]
 """a value and its derivatives, which are None where all are zero"""
@@ -27,10 +27,10 @@ class Dual(types.Type):  # type: ignore[misc]
         super().__init__(name=f"Dual({k})")
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        return Conversion.safe if isinstance(other, NUMBERS) else None
+        return Conversion.safe if isinstance(other, NUMBER_TYPES) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        return self if isinstance(other, NUMBERS) else None
+        return self if isinstance(other, NUMBER_TYPES) else None
 
 
 def lanes(k: int) -> Any:

@@ -22,10 +22,10 @@ from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import intrinsic
 
-from .dual import DOUBLE, LANE, NUMBERS, Dual, Number, gathered, joined, lane_of, lanes, split
+from .dual import DOUBLE, LANE, NUMBER_TYPES, Dual, Number, gathered, joined, lane_of, lanes, split
 from .parts import filled_parts, larger_parts, n_parts, part
 
-WORD = ir.IntType(64)
+INTEGER_WORD = ir.IntType(64)
 MAX_ARGUMENTS = 4
 """of `max` and `min`"""
 
@@ -127,7 +127,7 @@ def _call(builder: Any, name: str, *arguments: Any) -> Any:
 
 def _pairs() -> Iterator[tuple[Any, Any]]:
     yield Dual, Dual
-    for other in NUMBERS:
+    for other in NUMBER_TYPES:
         yield Dual, other
         yield other, Dual
 
@@ -135,7 +135,7 @@ def _pairs() -> Iterator[tuple[Any, Any]]:
 def _dual_of(args: Any) -> Any:
     """The type with derivatives among numbers; None where there is none, or no number."""
     found = next((one for one in args if isinstance(one, Dual)), None)
-    return found if all(isinstance(one, (Dual, *NUMBERS)) for one in args) else None
+    return found if all(isinstance(one, (Dual, *NUMBER_TYPES)) for one in args) else None
 
 
 def _declare(function: Any, n: tuple[int, ...], result: Callable[[Any], Any]) -> None:
@@ -223,7 +223,7 @@ def _implement_extreme(function: Any, sign: str) -> None:
     counts = range(2, MAX_ARGUMENTS + 1)
     _declare(function, tuple(counts), lambda kind: kind)
     for n in counts:
-        for combination in product((Dual, *NUMBERS), repeat=n):
+        for combination in product((Dual, *NUMBER_TYPES), repeat=n):
             if Dual in combination:
                 lower_builtin(function, *combination)(lower)
 
@@ -297,11 +297,11 @@ for _name, _with_slope in WITH_SLOPES.items():
 
 
 def _to_integer(context: Any, builder: Any, x: Any, dx: Any) -> Any:
-    return builder.fptosi(x, WORD)
+    return builder.fptosi(x, INTEGER_WORD)
 
 
 def _to_nearest(context: Any, builder: Any, x: Any, dx: Any) -> Any:
-    return builder.fptosi(_call(builder, "rint", x), WORD)
+    return builder.fptosi(_call(builder, "rint", x), INTEGER_WORD)
 
 
 def _is_no_number(context: Any, builder: Any, x: Any, dx: Any) -> Any:
@@ -329,7 +329,7 @@ def _widened(context: Any, builder: Any, from_: Any, to: Any, value: Any) -> Any
     return joined(builder, number, _constant(to.k, 0.0))
 
 
-for _kind in NUMBERS:
+for _kind in NUMBER_TYPES:
     lower_cast(_kind, Dual)(_widened)
 
 
@@ -339,7 +339,7 @@ for _kind in NUMBERS:
 @intrinsic  # type: ignore[untyped-decorator]
 def _n_parts(typing: Any, x: Any) -> Any:
     n = 1 + x.k if isinstance(x, Dual) else 1
-    return types.int64(x), lambda context, builder, sig, args: WORD(n)
+    return types.int64(x), lambda context, builder, sig, args: INTEGER_WORD(n)
 
 
 @intrinsic  # type: ignore[untyped-decorator]
@@ -350,7 +350,7 @@ def _part(typing: Any, x: Any, i: Any) -> Any:
         value, dx = split(builder, args[0])
         found = value
         for lane in range(x.k):
-            chosen = builder.icmp_signed("==", args[1], WORD(1 + lane))
+            chosen = builder.icmp_signed("==", args[1], INTEGER_WORD(1 + lane))
             found = builder.select(chosen, lane_of(builder, dx, lane), found)
         return found
 

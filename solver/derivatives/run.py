@@ -21,7 +21,7 @@ from .seeds import Seeds, Start
 
 ROWS_AT_ONCE = 256
 """steps between which those rows are kept that are asked for; all of them are recorded before"""
-STATES = ("contact_state", "friction_state", "motor_state")
+STATES_OF_LAWS = ("contact_state", "friction_state", "motor_state")
 """arrays of `Output` that tell whether something switched"""
 EVENT_ARRAYS = ("n_events", "event_contact", "event")
 WHILE_CLOSED = {
@@ -111,10 +111,12 @@ class _Kept:
     def take_rows(self, steps: Index, recorded: NDArray[np.bool_]) -> None:
         """Keep those of the first rows of the output that are recorded; of which steps they are."""
         self._steps.append(steps[recorded])
-        output = {name: self._run.arrays[f"output/{name}"] for name in (*self._rows, *STATES)}
+        output = {
+            name: self._run.arrays[f"output/{name}"] for name in (*self._rows, *STATES_OF_LAWS)
+        }
         for name, rows in self._rows.items():
             rows.append(output[name][: len(steps)][recorded])
-        for name in STATES:
+        for name in STATES_OF_LAWS:
             # From the last row of the rows before.
             states = np.concatenate(
                 [self._states.get(name, output[name][:1]), output[name][: len(steps)]]

@@ -29,7 +29,7 @@ from .records import array_names, has_derivatives
 
 SEED_STEP = 2e-4
 """of the scale of a parameter"""
-CENTRAL = (1.0, -1.0, 0.5, -0.5)
+CENTRAL_STEPS = (1.0, -1.0, 0.5, -0.5)
 # The weights of both formulas, for steps of one: of O(d^4) and, for the check, of a lower order.
 CENTRAL_WEIGHTS = (0.0, -1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0), (0.0, 0.5, -0.5, 0.0, 0.0)
 ONE_SIDED = (1.0, 0.75, 0.5, 0.25)
@@ -89,7 +89,7 @@ def seeds_of(
     """
     step = SEED_STEP * scale
     for side, offsets, weights in (
-        (0, CENTRAL, CENTRAL_WEIGHTS),
+        (0, CENTRAL_STEPS, CENTRAL_WEIGHTS),
         (1, ONE_SIDED, ONE_SIDED_WEIGHTS),
         (-1, ONE_SIDED, ONE_SIDED_WEIGHTS),
     ):

@@ -24,12 +24,12 @@ MOST_INSTANTS = 30
 # Of an answer: those of a short time, however many rows the run has.
 MOST_ROWS = 20_000
 # Points of deforming surfaces times instants of an answer, some 4 MB.
-MAX_POINT_INSTANTS = 250_000
+MOST_POINT_INSTANTS = 250_000
 # Their scale, and how far floors reach, are known at the end of a run alone.
 MARKS_LEFT_OUT = ("forces",)
 
 
-class Follower:
+class RunFollower:
     """Reads what is new in the results of a run.
 
     Deformations are interpolated between interfaces: modes would take all steps of the run.
@@ -59,7 +59,7 @@ class Follower:
         time = results.time
         flexible = [name for name in results.bodies if results.outline_source(name) != "rigid"]
         points = sum(len(results.outline(name).points) for name in flexible)
-        most = MAX_POINT_INSTANTS // max(min(points, MAX_DEFORMING_POINTS), 1)
+        most = MOST_POINT_INSTANTS // max(min(points, MAX_DEFORMING_POINTS), 1)
         new = evenly(time, slice(min(1, len(time) - 1), None), min(max(most, 2), MOST_INSTANTS))
         # The start is among them: what is drawn is chosen by the first instant.
         stage = self._stage(results, np.unique([time[0], *time[new]]))

@@ -23,9 +23,9 @@ from ..errors import PictureError
 from ..report import libraries
 from ..report.markup import Markup, read, rendered
 from ..report.scene import scene
-from .follower import Follower, plots_and_validity, told
+from .follower import RunFollower, plots_and_validity, told
 
-HOST = "127.0.0.1"
+LOCAL_HOST = "127.0.0.1"
 LEAST_PAUSE = 0.5
 """seconds from an answer to the next question"""
 PAUSE_OVER_WORK = 3.0
@@ -36,7 +36,7 @@ SECONDS_TO_TELL = 15.0
 """that a run which has failed waits for its page to ask"""
 MAX_QUANTITIES = 12
 # Programs of the page stand in it, nothing else may be loaded or asked.
-POLICY = (
+CONTENT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob:; style-src 'unsafe-inline';"
     " img-src data: blob:; font-src data: 'self'; connect-src 'self'; worker-src blob:;"
     " base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -55,12 +55,12 @@ class Control(Protocol):
     def stop(self) -> None: ...
 
 
-class Watch:
+class WatchedRun:
     """What the page of a run knows of it, and its address."""
 
     def __init__(self, control: Control, target: Path, title: str, t_end: float) -> None:
         self._control, self._target, self._title, self._t_end = control, target, title, t_end
-        self._follower, self._moving, self._drawing = Follower(), Lock(), Lock()
+        self._follower, self._moving, self._drawing = RunFollower(), Lock(), Lock()
         self._ended = ""
         self._expected = 0.0
         self.token = secrets.token_urlsafe(24)
@@ -147,21 +147,21 @@ def _paced(answer: dict[str, Any]) -> Iterator[None]:
 @contextmanager
 def watched(
     control: Control, target: Path, title: str, t_end: float, tell: Callable[[str], object]
-) -> Iterator[Watch]:
+) -> Iterator[WatchedRun]:
     """Serve the page of a run until it ends, and as long afterwards as a page is open.
 
     control: of the run, which writes to `target`; t_end [s]; tell: is told the address.
     """
     for name in ("plotly", "k3d", "jinja2"):
         libraries.package(name)
-    watch = Watch(control, target, title, t_end)
+    watch = WatchedRun(control, target, title, t_end)
     try:
-        server = _Server((HOST, 0), _handler(watch))
+        server = _Server((LOCAL_HOST, 0), _handler(watch))
     except OSError as error:
-        raise PictureError(f"no page: cannot serve on {HOST}: {error}") from error
+        raise PictureError(f"no page: cannot serve on {LOCAL_HOST}: {error}") from error
     Thread(target=server.serve_forever, name="watch", daemon=True).start()
     try:
-        tell(f"http://{HOST}:{server.server_port}/{watch.token}/")
+        tell(f"http://{LOCAL_HOST}:{server.server_port}/{watch.token}/")
         try:
             yield watch
         except KeyboardInterrupt:
@@ -190,7 +190,7 @@ class _Server(ThreadingHTTPServer):
             super().handle_error(request, client_address)
 
 
-def _handler(watch: Watch) -> type[BaseHTTPRequestHandler]:
+def _handler(watch: WatchedRun) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         """Answers to the page of a watch, and to nobody else."""
 
@@ -235,7 +235,7 @@ def _handler(watch: Watch) -> type[BaseHTTPRequestHandler]:
             assert isinstance(self.server, _Server)
             port = self.server.server_port
             # A name of the attacker that leads here would make his page one of this host.
-            known = self.headers.get("Host", "") in (f"{HOST}:{port}", f"localhost:{port}")
+            known = self.headers.get("Host", "") in (f"{LOCAL_HOST}:{port}", f"localhost:{port}")
             if not known or not hmac.compare_digest(token.encode(), watch.token.encode()):
                 self._refuse(HTTPStatus.FORBIDDEN)
                 return None
@@ -248,7 +248,7 @@ def _handler(watch: Watch) -> type[BaseHTTPRequestHandler]:
             self.send_header("Cache-Control", "no-store")
             self.send_header("Referrer-Policy", "no-referrer")
             self.send_header("X-Content-Type-Options", "nosniff")
-            self.send_header("Content-Security-Policy", POLICY)
+            self.send_header("Content-Security-Policy", CONTENT_POLICY)
             self.end_headers()
             self.wfile.write(content)
 

@@ -18,7 +18,7 @@ from duhamel import preprocess, solver, superelement
 from duhamel.results import RecoveryError, Results
 from duhamel.results.excerpt import Excerpt
 from duhamel.results.file import FileSource
-from duhamel.view.live.follower import Follower, plots_and_validity, told
+from duhamel.view.live.follower import RunFollower, plots_and_validity, told
 from duhamel.view.live.server import watched
 
 ROOT = Path(__file__).parents[3]
@@ -123,7 +123,7 @@ def unpacked(packed):
 
 
 def test_the_page_is_told_where_the_bodies_are(folder, results):
-    follower = Follower()
+    follower = RunFollower()
     motion, rows = follower.motion(folder / "short.h5", 600)
     assert rows == len(results.time) == 1001
     news = json.loads(json.dumps(told(motion)))
@@ -144,7 +144,7 @@ def test_the_page_is_told_where_the_bodies_are(folder, results):
 
 
 def test_scales_do_not_go_back_and_forth(folder):
-    follower = Follower()
+    follower = RunFollower()
     larger = [follower.motion(folder / "short.h5", first)[0].moving.magnification
               for first in (100, 900, 950, 100)]  # fmt: skip
     assert larger[0] >= larger[1] >= larger[2] >= larger[3]
