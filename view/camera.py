@@ -24,7 +24,7 @@ NAMED_VIEWS = {
 # Towards the eye. No two axes are seen under the same angle, so that edges of boxes do not hide
 # each other.
 ISOMETRIC_EYE = np.array([1.0, -1.35, 0.8])
-UPWARD_AXIS = np.array([0.0, 0.0, 1.0])
+UPWARD = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def chosen_axes(view: str, spread: Array, gravity: Array | None) -> Array:
     view: "" for the choice, "iso", "xy", "xz", "yz" or "x,y,z", towards the eye; spread (3, 3):
     covariance of the points of all frames; gravity (3,), or None: against it is up.
     """
-    up = UPWARD_AXIS
+    up = UPWARD
     if gravity is not None and np.linalg.norm(gravity) > 0.0:
         up = -np.asarray(gravity, dtype=float) / np.linalg.norm(gravity)
     if view in NAMED_VIEWS:

@@ -35,7 +35,7 @@ from .joint import (
 )
 from .rows import Row, Sides, Term
 
-FLAT = 1.0 - 1e-9
+LYING_FLAT = 1.0 - 1e-9
 """cosine of the angle between a normal and an axle above which a disc lies flat"""
 JOINTS = Kinds()
 """the classes of joints, by their types in model files"""
@@ -508,7 +508,7 @@ class RollingDisc(JointWithAxis):
     def validate(self) -> None:
         super().validate()
         normal, axle = self.axis_in_space, self._axle
-        if abs(normal @ axle) > FLAT:
+        if abs(normal @ axle) > LYING_FLAT:
             raise self.error(
                 "second_axis: the axle must not be along the normal of the plane, got axis = "
                 f"{normal.tolist()}, second_axis = {axle.tolist()}"
