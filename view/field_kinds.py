@@ -15,9 +15,9 @@ FIELD_WORDS = {
     "von_mises": ("von Mises stress", "Pa"),
     "pressure": ("contact pressure", "Pa"),
 }
-# Viridis, in which equal steps look equal, without its darkest end, which shade would make black.
+# Viridis, in which equal steps look equal, without its dark end, which shade would make black.
 COLOR_MAP = LinearSegmentedColormap.from_list(
-    "field", matplotlib.colormaps["viridis"](np.linspace(0.1, 1.0, 256))
+    "field", matplotlib.colormaps["viridis"](np.linspace(0.28, 1.0, 256))
 )
 # In place of a time: when the field is largest.
 WORST_TIME = "worst"
