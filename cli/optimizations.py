@@ -1,6 +1,5 @@
 """Searches of a study as tables, JSON and a picture."""
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -58,9 +57,9 @@ def _limit(one: OptimizedConstraint) -> str:
     return ", ".join(part for part in (low, high) if part)
 
 
-def optimum_json(found: Optimum) -> str:
-    """What a search found as JSON; what is no number is null."""
-    document = {
+def optimum_record(found: Optimum) -> dict[str, Any]:
+    """What a search found, as other programs take it."""
+    return {
         "state": found.state,
         "converged": found.converged,
         "feasible": found.is_feasible,
@@ -97,15 +96,6 @@ def optimum_json(found: Optimum) -> str:
         "failed": found.failed,
         "notes": list(found.notes),
     }
-    return json.dumps(_plain(document), indent=2)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    if isinstance(value, list):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def optimum_picture(title: str, found: Optimum) -> Any:

@@ -1,6 +1,5 @@
 """Derivatives of a study as tables, JSON and a picture."""
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -32,16 +31,10 @@ def sensitivity_rows(found: Sensitivities) -> list[list[str]]:
     return [list(SENSITIVITY_COLUMNS), *(list(map(str, row)) for row in _cells(found))]
 
 
-def sensitivity_json(found: Sensitivities) -> str:
-    """The derivatives as JSON: a list of records, and notes; what is no number is null."""
-    records = [
-        {
-            heading: None if isinstance(cell, float) and not np.isfinite(cell) else cell
-            for heading, cell in zip(SENSITIVITY_COLUMNS, cells, strict=True)
-        }
-        for cells in _cells(found)
-    ]
-    return json.dumps({"sensitivities": records, "notes": list(found.notes)}, indent=2)
+def sensitivity_record(found: Sensitivities) -> dict[str, Any]:
+    """The derivatives as other programs take them."""
+    rows = [dict(zip(SENSITIVITY_COLUMNS, cells, strict=True)) for cells in _cells(found)]
+    return {"sensitivities": rows, "notes": list(found.notes)}
 
 
 def _cells(found: Sensitivities) -> Iterator[tuple[str | float, ...]]:

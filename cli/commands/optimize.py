@@ -6,16 +6,18 @@ from typing import Annotated
 import typer
 
 from ..arguments import ModelStudy, beside, output_option
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line, one_line
 
 OptimizedModel = Annotated[
     Path | None,
     output_option("MODEL.toml", "The optimized model: STUDY-optimized.toml unless given."),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print what was found as JSON alone.")]
 
 
-def optimize(study_file: ModelStudy, output: OptimizedModel = None, as_json: Json = False) -> None:
+def optimize(
+    study_file: ModelStudy, output: OptimizedModel = None, as_json: AsJson = False
+) -> None:
     """Optimize the parameters of a study, as its table `optimize` asks for.
 
     Prints what changed, limits with their multipliers, and why the search ended. Writes the model
@@ -25,21 +27,19 @@ def optimize(study_file: ModelStudy, output: OptimizedModel = None, as_json: Jso
     from rich.console import Console
 
     from ... import files, results, solver, study, superelement, view
-    from ..optimizations import goal_table, optimum_json, optimum_picture, parameter_table
+    from ..optimizations import goal_table, optimum_picture, optimum_record, parameter_table
 
     target = output or beside(study_file, ".toml", "optimized")
     picture = target.with_suffix(".png")
     with errors_in_one_line(files, results, solver, study, superelement, view):
         found = study.optimize(study_file, target)
-        if as_json:
-            typer.echo(optimum_json(found))
-        else:
-            Console().print(parameter_table(study_file.stem, found))
-            Console().print(goal_table(found))
-            for note in found.notes:
-                typer.echo(one_line(note))
+        give_record(optimum_record(found))
+        Console().print(parameter_table(study_file.stem, found))
+        Console().print(goal_table(found))
+        for note in found.notes:
+            typer.echo(one_line(note))
         view.save(optimum_picture(study_file.stem, found), picture)
-    typer.echo(one_line(f"{target}, {picture}: {found.runs} runs"), err=as_json)
+    typer.echo(one_line(f"{target}, {picture}: {found.runs} runs"))
     # The best point is written all the same.
     if not found.converged:
         raise typer.Exit(1)

@@ -1,17 +1,16 @@
 """`duhamel sensitivity`."""
 
-from typing import Annotated
-
 import typer
 
 from ..arguments import ModelStudy, beside
+from ..call import AsJson, give_record
 from ..failures import errors_in_one_line, one_line
 from ..linear import LinearOutput
 
-Json = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON alone.")]
 
-
-def sensitivity(study_file: ModelStudy, output: LinearOutput = None, as_json: Json = False) -> None:
+def sensitivity(
+    study_file: ModelStudy, output: LinearOutput = None, as_json: AsJson = False
+) -> None:
     """Derivatives of the outputs of a study by its parameters, with their errors.
 
     Also the elasticity, the per cent of an output for one per cent of a parameter. Without -o the
@@ -21,8 +20,8 @@ def sensitivity(study_file: ModelStudy, output: LinearOutput = None, as_json: Js
 
     from ... import files, results, solver, study, superelement, view
     from ..sensitivities import (
-        sensitivity_json,
         sensitivity_picture,
+        sensitivity_record,
         sensitivity_rows,
         sensitivity_table,
     )
@@ -31,16 +30,14 @@ def sensitivity(study_file: ModelStudy, output: LinearOutput = None, as_json: Js
     with errors_in_one_line(files, results, solver, study, superelement, view):
         files.require_no_input(target, [study_file], "the study file")
         found = study.sensitivities_of(study_file)
-        if as_json:
-            typer.echo(sensitivity_json(found))
-        else:
-            Console().print(sensitivity_table(study_file.stem, found))
-            for note in found.notes:
-                typer.echo(one_line(note))
+        give_record(sensitivity_record(found))
+        Console().print(sensitivity_table(study_file.stem, found))
+        for note in found.notes:
+            typer.echo(one_line(note))
         if as_json and output is None:
             return
         if target.suffix.lower() == ".csv":
             files.write_rows(target, sensitivity_rows(found), view.PictureError)
         else:
             view.save(sensitivity_picture(study_file.stem, found), target)
-        typer.echo(one_line(target), err=as_json)
+        typer.echo(one_line(target))
