@@ -30,6 +30,13 @@ class Body:
         self.hold = Hold(self.track, frames) if frames else None
         self._kept: tuple[slice, Array] | None = None
 
+    def thicken(self, least: float) -> None:
+        """Draw beams whose surface is on average nearer to their axis than this [m] so thick."""
+        arms = self.X - self.outline.anchors
+        radius = float(np.linalg.norm(arms, axis=1).mean()) if len(arms) else 0.0
+        if 0.0 < radius < least:
+            self.X = self.outline.anchors + arms * (least / radius)
+
     def deformation(self, u: Array, X: Array, rows: slice) -> Array:
         """What is magnified of displacements u (k, p, 3) at X (p, 3)."""
         return u if self.hold is None else self.hold.seen(u, X, rows)

@@ -31,6 +31,8 @@ WANTED_DEFORMATION = 0.05
 ROUNDING_DEFORMATION = 1e-8
 # Over the size of the model.
 MARK_RADIUS = 0.009
+# Of slender beams, which would be lines whose colors nobody sees, over the size of the model.
+LEAST_BEAM_RADIUS = 0.007
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +74,8 @@ class Stage:
         if not self.bodies:
             raise PictureError("the run recorded the motion of no body: nothing can be drawn")
         self.size = size_of(self.bodies)
+        for body in self.bodies:
+            body.thicken(LEAST_BEAM_RADIUS * self.size)
         points = sum(len(body.X) for body in self.bodies)
         self.rows = batches(len(times), BATCH_POINT_FRAMES // max(points, 1))
         # All passes over the frames need the same positions, which is most of the work.
