@@ -7,6 +7,7 @@ window; dark at 400 px, light at 1300. Without Chromium it says so.
 """
 
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -85,6 +86,9 @@ def _faults(shown: Browser, site: str, page: str) -> Iterator[str]:
     for width, scheme in WINDOWS:
         shown.emulate(width, scheme)
         shown.run(LAID_OUT)
+        # Menus slide in and out for a moment.
+        if shown.run(WIDE):
+            time.sleep(1.0)
         if wide := shown.run(WIDE):
             yield f"wider than {width} px, {scheme}: {wide}"
     yield from (f"console: {error[:300]}" for error in shown.errors)
