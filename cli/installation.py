@@ -76,7 +76,7 @@ def without_names(text: str, arguments: Sequence[str] = ()) -> str:
     """
     for folder, sign in _known_folders():
         # A folder whose name only begins alike is another one.
-        text = re.sub(rf"{re.escape(folder)}(?=[\\/:'\"\n]|$)", lambda _, sign=sign: sign, text)
+        text = re.sub(rf"{re.escape(folder)}(?=[\\/:'\"\n]|$)", sign, text)
     text = PERSONAL_FOLDERS.sub("/", text)
     for word in arguments:
         folder = re.sub(r"[^\\/]*$", "", word)
