@@ -20,6 +20,7 @@ import typer
 RECORD_VERSION = 1
 JSON_OPTION = "--json"
 LAST_FAILURE_FILE = "last-failure.json"
+REPORT_COMMAND = "bug-report"
 # Typer brings its own copy of click, or takes that of click: by its name either is found.
 ClickException: Any = typer.BadParameter.__mro__[2]
 
@@ -140,6 +141,9 @@ def _keep_failure(call: Call, trace: str = "") -> None:
     """Keep a failure beside the compiled code, where only this user reads and writes."""
     from ..solver.compiler.cache import opened_cache
 
+    # A report that fails must not replace the failure that it is of.
+    if call.command == REPORT_COMMAND or not call.error:
+        return
     kept = {
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "duhamel": _version(),

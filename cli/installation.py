@@ -30,10 +30,17 @@ REPORTED_VARIABLES = (
 )
 USER_FOLDER_SIGN = "<user folder>"
 DISTRIBUTION_NAME = re.compile(r"[\w.-]+")
+# Names of folders with what separates them; a quotation mark between letters belongs to a name.
+FOLDERS = r"(?:(?:[^\\/:'\"\n]|(?<=\w)['\"](?=\w))+[\\/])"
 # An absolute path up to its last name; behind a letter or a bracket a slash begins none.
-ABSOLUTE_FOLDERS = re.compile(r"(?<![\w.<>~])(?:[A-Za-z]:)?[\\/](?!\s)(?:[^\\/:'\"\n]+[\\/])+")
+ABSOLUTE_FOLDERS = re.compile(rf"(?<![\w.<>~])(?:[A-Za-z]:)?[\\/](?!\s){FOLDERS}+")
 # Below those of a user, names of folders tell of what they work at.
-PERSONAL_FOLDERS = re.compile(r"(?<=<user folder>)[\\/](?:[^\\/:'\"\n]+[\\/])*")
+PERSONAL_FOLDERS = re.compile(rf"(?<=<user folder>)[\\/]{FOLDERS}*")
+# Not in the middle of a path, nor of a sign that stands for one.
+PATH_START = r"(?<![\w.<>/\\~-])"
+HOME_OR_DOTS = re.compile(rf"{PATH_START}(?:~[\w.-]*|\.{{1,2}})[\\/]{FOLDERS}*")
+# Only a last name with an ending tells a file from a unit, as N/mm.
+RELATIVE_FOLDERS = re.compile(rf"{PATH_START}(?:[\w.+@%-]+[\\/])+(?=[\w.+@%-]*\.\w*[A-Za-z]\w*)")
 # A shorter user name is part of too many words.
 MIN_NAME = 3
 
@@ -68,15 +75,20 @@ def without_names(text: str, arguments: Sequence[str] = ()) -> str:
     arguments: of the command, whose folders are taken out where they are relative, too.
     """
     for folder, sign in _known_folders():
-        text = text.replace(folder, sign)
+        # A folder whose name only begins alike is another one.
+        text = re.sub(rf"{re.escape(folder)}(?=[\\/:'\"\n]|$)", sign, text)
     text = PERSONAL_FOLDERS.sub("/", text)
     for word in arguments:
-        if folder := re.sub(r"[^\\/]*$", "", word):
-            text = text.replace(folder, ".../")
-    text = ABSOLUTE_FOLDERS.sub(".../", text)
+        folder = re.sub(r"[^\\/]*$", "", word)
+        if folder.strip("\\/."):
+            text = re.sub(PATH_START + re.escape(folder), ".../", text)
+    for folders in (ABSOLUTE_FOLDERS, HOME_OR_DOTS, RELATIVE_FOLDERS):
+        text = folders.sub(".../", text)
     for name, sign in ((_user(), "<user>"), (platform.node(), "<host>")):
         if len(name) >= MIN_NAME:
-            text = re.sub(rf"\b{re.escape(name)}\b", sign, text)
+            # `_` ends a name, which it does not for \b.
+            pattern = rf"(?<![^\W_]){re.escape(name)}(?![^\W_])"
+            text = re.sub(pattern, sign, text, flags=re.IGNORECASE)
     return text
 
 

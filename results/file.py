@@ -178,6 +178,7 @@ class FileWriter:
     """
 
     pause = 1.0
+    _resumed = False
 
     def __init__(
         self,
@@ -224,7 +225,7 @@ class FileWriter:
         one, has other contents, or fewer rows.
         """
         writer = cls.__new__(cls)
-        writer.run = run
+        writer.run, writer._resumed = run, True
         with _failures_named(path):
             journal = Journal(resolved(path))
             writer.place = unfinished(journal.target)
@@ -271,7 +272,8 @@ class FileWriter:
         self._commit(LOCK_WAIT)
 
     def abandon(self) -> bool:
-        if self.place == self._journal.target:
+        # A file that was resumed holds rows of the run before.
+        if self._resumed or self.place == self._journal.target:
             return False
         self._close()
         self.place.unlink(missing_ok=True)

@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files.handles import BINARY_FLAG, lock, read_at, readers_lock, unlock, write_at
+from ..files.outputs import replace_durably
 from .errors import ResultsError
 
 # Files are compared and replaced by pages of this size: HDF5 changes a few bytes in many places.
@@ -338,7 +339,10 @@ class JournaledFile(io.RawIOBase):
         try:
             shutil.copyfile(self.path, copy)
             handle = os.open(copy, os.O_RDWR | BINARY_FLAG)
-            copy.replace(self.path)
+            if self._durable:
+                replace_durably(copy, self.path)
+            else:
+                copy.replace(self.path)
         finally:
             copy.unlink(missing_ok=True)
         os.close(self._handle)

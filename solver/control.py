@@ -23,10 +23,10 @@ class RunControl:
 
     @property
     def held(self) -> bool:
-        return not self._going.is_set()
+        return not (self._going.is_set() or self._stopped.is_set())
 
     def hold(self) -> None:
-        """Let the run wait after its present batch of steps."""
+        """Let the run wait after its present batch of steps, unless it is to end."""
         self._going.clear()
 
     def go_on(self) -> None:
@@ -50,7 +50,8 @@ class RunControl:
         if self.held:
             started = time.perf_counter()
             before_waiting()
-            while not self._going.wait(SECONDS_PER_LOOK):
+            # A look at both: `hold` and `stop` may come at once, from two threads.
+            while not (self._going.wait(SECONDS_PER_LOOK) or self._stopped.is_set()):
                 pass
             waited = time.perf_counter() - started
         if self._stopped.is_set():

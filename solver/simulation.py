@@ -363,7 +363,7 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> float:
             control.begin(writer.place if isinstance(writer, FileWriter) else None, total)
         while done < total:
             if control is not None:
-                waited += control.obey(recorder.write)
+                waited += control.obey(recorder.flush)
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))

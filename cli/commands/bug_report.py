@@ -21,8 +21,9 @@ def bug_report(
     """Write a text file about this installation and its last failure, to attach to a report.
 
     It has versions, the machine, the compiled code, digests of the model and its superelements, and
-    the last error of a command. It has no content of your files, no folders, and no names of users
-    or machines. Nothing is sent.
+    the last error of a command. Folders and names of users and machines are taken out of it. Names
+    in your files and values that a message quotes stay: read it before you send it. Nothing is sent
+    by Duhamel.
     """
     from ... import files
     from ..installation import report

@@ -95,7 +95,10 @@ def _watched(model: "Model", target: Path) -> Iterator[None]:
         typer.echo(f"watch the run: {address}", err=True)
 
     control = RunControl()
-    RUN_CONTROL.set(control)
     title = Path(model.path).stem if model.path else target.stem
-    with watched(control, target, title, model.settings.t_end, tell):
-        yield
+    token = RUN_CONTROL.set(control)
+    try:
+        with watched(control, target, title, model.settings.t_end, tell):
+            yield
+    finally:
+        RUN_CONTROL.reset(token)

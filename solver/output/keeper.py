@@ -80,8 +80,7 @@ class FileKeeper:
         by_time = time.monotonic() - self._last > self._pause
         if none or by_time or (self._every is not None and step % self._every == 0):
             # Rows before the state: a state whose rows are lost could not be continued.
-            recorder.write()
-            self._writer.flush()
+            recorder.flush()
             self._keep()
 
     def _keep(self) -> None:

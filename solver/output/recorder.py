@@ -90,6 +90,11 @@ class Recorder:
             self._writer.append(Batch(steps, self._h, self.output, self.start, joined, is_last))
         self._written = time.perf_counter()
 
+    def flush(self) -> None:
+        """Write the rows in the buffer, and let all rows take place in the file."""
+        self.write()
+        self._writer.flush()
+
     def __exit__(
         self,
         kind: type[BaseException] | None,

@@ -3,11 +3,14 @@
 import getpass
 import hashlib
 import platform
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+import typer
 from duhamel.cli import app
+from duhamel.cli.call import call_of, last_failure
 from duhamel.cli.installation import without_names
 
 MODEL = """
@@ -97,6 +100,20 @@ def test_a_call_that_is_only_wrong_is_no_failure(runner, folder):
     assert report_of(runner, folder)["last_failure"] == {"error": "none is kept"}
 
 
+def test_a_report_that_fails_is_not_the_failure_that_it_tells_of(runner, folder):
+    assert runner.invoke(app, ["run", str(folder / "none.toml")]).exit_code == 1
+    model = folder / "model.toml"
+    model.write_text(MODEL)
+    assert runner.invoke(app, ["bug-report", str(model), "-o", str(model)]).exit_code == 1
+    assert report_of(runner, folder)["last_failure"]["arguments"][0] == "run"
+
+
+def test_an_end_without_an_error_is_no_failure(folder):
+    with pytest.raises(typer.Exit), call_of(["check", "model.toml"]):
+        raise typer.Exit(1)
+    assert last_failure() is None
+
+
 def test_it_replaces_no_model(runner, folder):
     model = folder / "model.toml"
     model.write_text(MODEL)
@@ -113,9 +130,28 @@ def test_it_replaces_no_model(runner, folder):
         ("expected a length in m/s, found 3 N / m", "expected a length in m/s, found 3 N / m"),
         (f"{Path.home()}/Jane Doe/x.toml", "<user folder>/x.toml"),
         ("of jane at turing, not of janet", "of <user> at <host>, not of janet"),
+        ("jane_rod of Jane, turing_2", "<user>_rod of <user>, <host>_2"),
+        (f"{Path.home()}-bmw/secret/x.toml: bad", ".../x.toml: bad"),
+        (f"{Path.home()}mary/secret/x.toml: bad", ".../x.toml: bad"),
+        (f"{Path.home()}: is a folder", "<user folder>: is a folder"),
+        ("/data/O'Brien/secret/x.toml: bad", ".../x.toml: bad"),
+        ("'/data/a/x.h5' or '/data/b/y.h5'", "'.../x.h5' or '.../y.h5'"),
+        ("client/part.h5: no such file", ".../part.h5: no such file"),
+        ("part: file = client/a/part.h5", "part: file = .../part.h5"),
+        ("(../client/x.toml)", "(.../x.toml)"),
+        ("~/client/x.toml", ".../x.toml"),
+        ("~jane/client/x.toml", ".../x.toml"),
+        ("3.2 N/mm, not m/s2 or rad/s.", "3.2 N/mm, not m/s2 or rad/s."),
+        (f"{Path(sys.prefix)}/client/x.py", "<environment>/client/x.py"),
     ],
 )
 def test_folders_users_and_machines_are_taken_out(text, expected, monkeypatch):
     monkeypatch.setattr(getpass, "getuser", lambda: "jane")
     monkeypatch.setattr(platform, "node", lambda: "turing")
     assert without_names(text) == expected
+
+
+def test_folders_of_arguments_are_taken_out_as_words():
+    words = ["client a/part.h5", "./m.toml"]
+    text = "client a/part.h5: bad; m.toml, ../m.toml"
+    assert without_names(text, words) == ".../part.h5: bad; m.toml, .../m.toml"

@@ -8,6 +8,9 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.cli import app
+from duhamel.cli.commands.run import _watched
+from duhamel.solver import ModelError, read_model
+from duhamel.solver.control import RUN_CONTROL
 from duhamel.superelement import read
 
 MODEL = """
@@ -26,6 +29,20 @@ def model_file(element_file):
     path = element_file.with_name("flight.toml")
     path.write_text(MODEL)
     return path
+
+
+def test_a_run_that_is_watched_controls_no_later_one(model_file):
+    pytest.importorskip("plotly")
+    model = read_model(model_file)
+
+    def watch():
+        with _watched(model, model_file.with_suffix(".h5")):
+            assert RUN_CONTROL.get() is not None
+            raise ModelError("of the run")
+
+    with pytest.raises(ModelError, match="of the run"):
+        watch()
+    assert RUN_CONTROL.get() is None
 
 
 def test_the_results_stand_beside_the_model_file(runner, model_file):

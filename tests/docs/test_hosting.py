@@ -1,6 +1,8 @@
 """What is said of the project in files for others is what the project is."""
 
 import re
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -32,6 +34,21 @@ def test_workflows_call_targets_that_there_are_and_hold_no_secrets(path):
     assert called <= TARGETS
     actions = re.findall(r"uses: ([^.\s]\S*)", text)
     assert all(re.fullmatch(r"[\w-]+/[\w-]+@v\d+(\.\d+\.\d+)?", action) for action in actions)
+
+
+def test_a_release_is_published_after_all_tests():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())["jobs"]
+    assert set(jobs["publish"]["needs"]) == {"tests", "build"}
+    called = yaml.safe_load((ROOT / jobs["tests"]["uses"]).read_text())
+    # YAML takes the key `on` for a truth value.
+    assert "workflow_call" in called[True]
+
+
+@pytest.mark.parametrize(("variables", "code"), [({}, 0), ({"CI": "true"}, 1)])
+def test_a_site_that_nobody_looked_at_fails_in_ci(tmp_path, variables, code):
+    command = [sys.executable, ROOT / "tools/check_site.py", tmp_path]
+    done = subprocess.run(command, env={"PATH": "", **variables}, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (code, "no Chromium: the site was not looked at\n")
 
 
 def test_hooks_are_local_and_their_scripts_exist():

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from duhamel.results import Results, ResultsError
 from duhamel.results import file as file_module
+from duhamel.results import journal as journal_module
 from duhamel.results.batches import EventRows
 from duhamel.results.contents import SuperelementFile
 from duhamel.results.errors import QuantityError
@@ -284,6 +285,20 @@ def test_a_run_without_a_step_leaves_an_earlier_file(tmp_path):
 
 
 @pytest.mark.parametrize("earlier", [False, True])
+def test_rows_of_a_run_that_goes_on_are_not_abandoned(tmp_path, earlier):
+    path, contents = tmp_path / "out.h5", make_contents()
+    output = make_output(contents, 4)
+    if earlier:
+        write(path, contents, output, (4,)).finish()
+    first = write(path, contents, output, (4,))
+    first.leave()
+    again = FileWriter.resume(path, contents, NOTES, "model", Extent(2), first.run)
+    assert not again.abandon()
+    again.leave()
+    assert len(Results.read(first.place).time) >= 2
+
+
+@pytest.mark.parametrize("earlier", [False, True])
 def test_of_two_runs_the_second_is_refused(tmp_path, earlier):
     path, contents = tmp_path / "out.h5", make_contents()
     output = make_output(contents, 4)
@@ -341,6 +356,25 @@ def test_readers_who_never_close_the_file_do_not_end_a_run(tmp_path, monkeypatch
     writer.finish()
     np.testing.assert_array_equal(Results.read(path).body("b1").x, output.body_position[:, 1])
     assert [entry.name for entry in tmp_path.iterdir()] == ["out.h5"]
+
+
+@pytest.mark.parametrize("durable", [False, True])
+def test_a_copy_is_on_the_disk_where_the_file_is_to_be(tmp_path, monkeypatch, durable):
+    moved = []
+
+    def replace_durably(source, target):
+        moved.append(target)
+        source.replace(target)
+
+    monkeypatch.setattr(file_module, "LOCK_WAIT", 0.01)
+    monkeypatch.setattr(journal_module, "replace_durably", replace_durably)
+    path, contents = tmp_path / "out.h5", make_contents()
+    writer = FileWriter(path, contents, NOTES, "model", 4, durable)
+    writer.append(batch(make_output(contents, 4), 0, 2))
+    with h5py.File(path):
+        writer.flush()
+    assert moved == ([path] if durable else [])
+    writer.leave()
 
 
 def test_writes_are_apart(tmp_path, monkeypatch):

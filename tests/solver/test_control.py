@@ -78,6 +78,48 @@ def test_all_rows_of_a_run_that_is_held_can_be_read(tmp_path):
     assert str(run.result()).startswith(f"interrupted at t = {results.time[-1]:.6g} s of 5 s")
 
 
+class HeldOften(RunControl):
+    """Holds the run before each of its first batches, looks at its file, and stops it."""
+
+    def __init__(self):
+        super().__init__()
+        self.seen = []
+
+    def obey(self, before_waiting):
+        self.hold()
+
+        def look():
+            before_waiting()
+            self.seen.append(rows(self.place))
+            self.go_on()
+            if len(self.seen) == 3:
+                self.stop()
+
+        return super().obey(look)
+
+
+def test_each_pause_finds_all_steps_in_the_file(tmp_path):
+    token = RUN_CONTROL.set(control := HeldOften())
+    try:
+        with pytest.raises(KeyboardInterrupt) as stopped:
+            simulate(ARM, output=tmp_path / "held.h5")
+    finally:
+        RUN_CONTROL.reset(token)
+    # They follow within the second after which rows take place anyway.
+    assert 1 == control.seen[0] < control.seen[1] < control.seen[2]
+    taken = control.seen[2] - 1
+    assert str(stopped.value).startswith(f"interrupted at t = {taken * 1e-4:.6g} s of 5 s")
+
+
+def test_a_run_that_is_to_end_is_not_held(tmp_path):
+    control = RunControl()
+    control.stop()
+    control.hold()
+    assert not control.held
+    with pytest.raises(KeyboardInterrupt):
+        control.obey(lambda: None)
+
+
 @pytest.mark.parametrize("held", [False, True])
 def test_a_run_that_is_stopped_ends_as_by_an_interrupt(tmp_path, held):
     path = tmp_path / "stopped.h5"

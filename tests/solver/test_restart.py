@@ -43,6 +43,8 @@ from duhamel.solver import (
     write_model,
 )
 from duhamel.solver.checkpoint.file import read_state
+from duhamel.solver.control import RUN_CONTROL, RunControl
+from duhamel.solver.output.keeper import checkpoint_of
 from duhamel.solver.step.system import State, Workspace
 from duhamel.superelement import sample_kernel, write
 
@@ -285,6 +287,45 @@ def test_a_run_that_fails_keeps_the_state_before(coarse, tmp_path):
         simulate(failing, output=path)
     assert 50 <= read_state(tmp_path / "out.h5.checkpoint").snapshot.step <= 55
     assert len(Results.read(path).time) >= 51
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_run_that_goes_on_and_is_stopped_at_once_keeps_its_rows(coarse, earlier, tmp_path):
+    model, path = machine(coarse, 40, checkpoint={"every": 3}), tmp_path / "out.h5"
+    if earlier:
+        simulate(model.with_settings(t_end=20 * H), output=path)
+    simulate(interrupting(model, 10**9, OSError()), output=tmp_path / "whole.h5")
+    with pytest.raises(KeyboardInterrupt):
+        simulate(interrupting(model, 25, KeyboardInterrupt()), output=path)
+    before = {entry.name for entry in tmp_path.iterdir()}
+    token = RUN_CONTROL.set(control := RunControl())
+    try:
+        control.stop()
+        with pytest.raises(KeyboardInterrupt, match="--continue goes on from that"):
+            simulate(interrupting(model, 10**9, OSError()), output=path, resume=True)
+    finally:
+        RUN_CONTROL.reset(token)
+    # As by Ctrl-C in the first batch.
+    with pytest.raises(KeyboardInterrupt, match="--continue goes on from that"):
+        simulate(interrupting(model, 0, KeyboardInterrupt()), output=path, resume=True)
+    assert {entry.name for entry in tmp_path.iterdir()} == before
+    simulate(interrupting(model, 10**9, OSError()), output=path, resume=True)
+    assert_same(path, tmp_path / "whole.h5")
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_run_that_goes_on_and_fails_at_once_keeps_its_rows(coarse, earlier, tmp_path):
+    model, path = machine(coarse, checkpoint={"every": 1}), tmp_path / "out.h5"
+    if earlier:
+        simulate(model.with_settings(t_end=20 * H), output=path)
+    kick = Force("beam.tip", [1, 0, 0], Steps((0.0, 25.5 * H), (0.0, 1e60)))
+    failing = replace(model, loads=(*model.loads, kick))
+    for resume in (False, True, True):
+        with pytest.raises((ConvergenceError, OutOfRangeError), match=r"step 2[56]"):
+            simulate(failing, output=path, resume=resume)
+        file = tmp_path / ("out.h5.partial" if earlier else "out.h5")
+        assert len(Results.read(file).time) >= 25
+        assert 24 <= read_state(checkpoint_of(file)).snapshot.step <= 26
 
 
 def test_rows_after_the_state_are_written_anew(coarse, tmp_path):

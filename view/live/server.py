@@ -99,11 +99,13 @@ class WatchedRun:
         self._expected = inf
         status = self._ended or ("held" if self._control.held else "running")
         news: dict[str, Any] = {"status": status, "over": bool(self._ended), "rows": first}
-        with _paced(news), self._moving:
-            if (found := self._motion(first)) is not None:
-                motion, news["rows"] = found
-                news["motion"] = told(motion)
-        self._expected = time.monotonic() + news["pause"]
+        try:
+            with _paced(news), self._moving:
+                if (found := self._motion(first)) is not None:
+                    motion, news["rows"] = found
+                    news["motion"] = told(motion)
+        finally:
+            self._expected = time.monotonic() + news.get("pause", LEAST_PAUSE)
         return news
 
     def curves(self, quantities: list[str]) -> dict[str, Any]:
@@ -230,7 +232,11 @@ def _handler(watch: WatchedRun) -> type[BaseHTTPRequestHandler]:
 
         def _asked(self) -> tuple[str, dict[str, list[str]]] | None:
             """The path below the secret and the query; None where the secret or host is wrong."""
-            address = urlsplit(self.path)
+            try:
+                address = urlsplit(self.path)
+            except ValueError:  # no address at all, as http://[
+                self._refuse(HTTPStatus.FORBIDDEN)
+                return None
             _, token, path = (*address.path.split("/", 2), "", "")[:3]
             assert isinstance(self.server, _Server)
             port = self.server.server_port

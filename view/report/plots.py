@@ -54,7 +54,8 @@ def drawing(plot: Plot, time: Array) -> dict[str, Any]:
     words = _labels(plot.curves)
     drawn = [_trace(curve, time, name) for curve, name in zip(plot.curves, words, strict=True)]
     return {
-        "title": escape(plot.title, quote=False),
+        # Of these the page sets the title as plain text; Plotly reads markup in the others.
+        "title": plot.title,
         "unit": escape(plot.unit, quote=False),
         "log": plot.logarithmic,
         "marks": plot.marks,

@@ -9,6 +9,7 @@ import time
 from contextlib import contextmanager
 from http.client import HTTPConnection
 from pathlib import Path
+from socket import create_connection
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -18,8 +19,11 @@ from duhamel import preprocess, solver, superelement
 from duhamel.results import RecoveryError, Results
 from duhamel.results.excerpt import Excerpt
 from duhamel.results.file import FileSource
+from duhamel.view.curve import Curve
+from duhamel.view.live import server
 from duhamel.view.live.follower import RunFollower, plots_and_validity, told
 from duhamel.view.live.server import watched
+from duhamel.view.report.plots import Plot, drawing
 
 ROOT = Path(__file__).parents[3]
 MODEL = """
@@ -174,6 +178,36 @@ def test_only_who_knows_the_secret_and_the_host_is_answered(served):
     assert answer(address, f"{whole}news?first=-1")[0].status == 400
     assert answer(address, f"{whole}passwords")[0].status == 404
     assert control.orders == []
+
+
+def test_what_is_no_address_is_refused_without_a_word(served, capfd):
+    _, _, address = served
+    with create_connection((address.hostname, address.port), timeout=30) as connection:
+        connection.sendall(f"GET http://[ HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode())
+        assert connection.recv(100).startswith(b"HTTP/1.1 403 ")
+    assert capfd.readouterr().err == ""
+
+
+def test_a_question_that_fails_lets_the_run_end(served, monkeypatch):
+    watch, _, _ = served
+
+    def fails(first):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(watch, "_motion", fails)
+    with pytest.raises(ZeroDivisionError):
+        watch.news(0)
+    monkeypatch.setattr(server, "SECONDS_UNSEEN", 0.0)
+    started = time.monotonic()
+    watch.wait_until_closed(60.0)
+    assert time.monotonic() - started < 30.0
+
+
+def test_titles_are_text_and_names_of_curves_are_markup():
+    curves = [Curve(("force", name, ""), "N", np.arange(2.0)) for name in ("a&b", "<i>")]
+    told = drawing(Plot("of a&b <i>", "N", curves), np.arange(2.0))
+    assert told["title"] == "of a&b <i>"
+    assert [curve["name"] for curve in told["curves"]] == ["a&amp;b", "&lt;i&gt;"]
 
 
 def test_orders_are_given(served):
