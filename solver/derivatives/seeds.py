@@ -5,8 +5,10 @@ smooth there,
 
     D(d) = (f(p + d) - f(p - d)) / (2 d),      df/dp = (4 D(d/2) - D(d)) / 3 + O(d^4)
 
-which costs no run, for all arrays together. Where a model is valid on one side alone, as one whose
-body is a plane lamina, the four values lie on that side. Where D(d) and D(d/2) differ by more than
+which costs no run, for all arrays together. f(p) has a part in a check alone: where f has no kink
+and no jump at p, the fourth difference over p +- d, p +- d/2 and p is O(d^4). Where a model is
+valid on one side alone, as one whose body is a plane lamina, the four values lie on that side.
+Where D(d) and D(d/2) differ by more than
 such an f explains, the parameter moves a kink, as a corner of a signal past a step: then there is
 no seed. Source: docs/theory.md, Derivatives by dual numbers.
 """
@@ -30,14 +32,19 @@ from .records import array_names, has_derivatives
 SEED_STEP = 2e-4
 """of the scale of a parameter"""
 CENTRAL_STEPS = (1.0, -1.0, 0.5, -0.5)
-# The weights of both formulas, for steps of one: of O(d^4) and, for the check, of a lower order.
-CENTRAL_WEIGHTS = (0.0, -1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0), (0.0, 0.5, -0.5, 0.0, 0.0)
+# The weights of formulas, for steps of one: of O(d^4) and, for the check, of a lower order, and of
+# O(d^3) with the value itself: the first one and the fourth difference.
+CENTRAL_WEIGHTS = (
+    (0.0, -1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0),
+    (0.0, 0.5, -0.5, 0.0, 0.0),
+    (6.0, 5.0 / 6.0, 7.0 / 6.0, -8.0 / 3.0, -16.0 / 3.0),
+)
 ONE_SIDED = (1.0, 0.75, 0.5, 0.25)
 ONE_SIDED_WEIGHTS = (-25.0 / 3.0, -1.0, 16.0 / 3.0, -12.0, 16.0), (-3.0, -1.0, 0.0, 4.0, 0.0)
 MAX_SEED_CHANGE = 1e-5
-"""of the largest derivative of an array, between both formulas"""
+"""of the largest derivative of an array, between its formulas"""
 SEED_ROUNDING = 1e-12
-"""of the largest number of an array, or of 0.1 in SI units, which the check does not count"""
+"""of the largest number of an array, or of 0.1 in SI units: of each number that the check weighs"""
 FREE_NUMBERS = frozenset({"bodies/size"})
 """numbers that are no part of the motion, and may depend on parameters"""
 
@@ -117,7 +124,7 @@ def _derivatives(
             # Scratch has residuals of the start, which are rounding alone.
             if not is_smooth and part != "work":
                 raise DerivativeError(
-                    f"{parameter}: the model changes by a kink or a jump beside its value "
+                    f"{parameter}: the model changes by a kink or a jump at or beside its value "
                     f"({part}/{name})"
                 )
             if derivative.any():
@@ -137,11 +144,13 @@ def _derivative(
     derivative, is_smooth = np.zeros(base.shape), True
     if moves.any():
         samples = np.array([one[moves] for one in arrays])
-        best, lower = (np.array(row) @ samples / step for row in weights)
+        formulas = np.array(weights)
+        best, *others = formulas @ samples / step
+        rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
         allowed = MAX_SEED_CHANGE * np.abs(best).max()
-        allowed += SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
+        allowed = allowed + rounding * np.abs(formulas[0] - formulas[1:]).sum(axis=1)
         # False too for what is no number.
-        is_smooth = bool(np.abs(best - lower).max() <= allowed)
+        is_smooth = bool((np.abs(best - others).max(axis=1) <= allowed).all())
         derivative[moves] = best
     return derivative, is_smooth
 

@@ -195,8 +195,19 @@ def test_a_kink_beside_the_value_is_noticed():
 
     start = start_of(falling(1.0), recorded_rows)
     with pytest.raises(
-        DerivativeError, match=r"kink or a jump beside its value \(system/bodies/mass"
+        DerivativeError, match=r"kink or a jump at or beside its value \(system/bodies/mass"
     ):
+        seeds_of(start, lambda x: start_of(falling(x), recorded_rows), "x", 1.0, 1.0)
+
+
+@pytest.mark.parametrize("change", [abs, lambda d: d == 0.0])
+def test_a_kink_or_a_jump_at_the_value_itself_is_noticed(change):
+    def falling(x):
+        body = RigidBody(1.7 * x + change(x - 1.0), [1.0, 1.0, 1.0])
+        return Model({"body": body}, settings=Settings(t_end=0.1, step=1e-2))
+
+    start = start_of(falling(1.0), recorded_rows)
+    with pytest.raises(DerivativeError, match=r"kink or a jump .*system/bodies/mass"):
         seeds_of(start, lambda x: start_of(falling(x), recorded_rows), "x", 1.0, 1.0)
 
 
