@@ -41,7 +41,7 @@ ONE_SIDED_WEIGHTS = (-25.0 / 3.0, -1.0, 16.0 / 3.0, -12.0, 16.0), (1.0, 1.0, -4.
 MAX_SEED_CHANGE = 1e-5
 """of the largest derivative of an array, by the fourth difference over the step"""
 SEED_ROUNDING = 1e-12
-"""of the largest number of an array, or of 0.1 in SI units, which the check does not count"""
+"""of the largest number of an array, or of 0.1 in SI units: of each number that the check weighs"""
 FREE_NUMBERS = frozenset({"bodies/size"})
 """numbers that are no part of the motion, and may depend on parameters"""
 
@@ -141,9 +141,11 @@ def _derivative(
     derivative, is_smooth = np.zeros(base.shape), True
     if moves.any():
         samples = np.array([one[moves] for one in arrays])
-        best, change = np.array(weights) @ samples / step
+        formulas = np.array(weights)
+        best, change = formulas @ samples / step
         allowed = MAX_SEED_CHANGE * np.abs(best).max()
-        allowed += SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
+        rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
+        allowed += np.abs(formulas[1]).sum() * rounding
         # False too for what is no number.
         is_smooth = bool(np.abs(change).max() <= allowed)
         derivative[moves] = best
