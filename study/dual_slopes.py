@@ -29,6 +29,8 @@ CHAIN_STEPS = np.array([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 """of the scale of a parameter, along its derivative"""
 MAX_DEPARTURE = 1e-6
 """of an output, or of its derivative times the size of a parameter"""
+LEAST_ERROR = 1e-11
+"""of a derivative: seeds have the rounding of differences over 1e-4 of a parameter"""
 ABSOLUTE_ROUNDING = 1e-12
 """in SI units, of outputs that are zero but for it"""
 NEARBY_VALUES = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
@@ -64,6 +66,7 @@ def dual_slopes(
         differentiation = Differentiation(family.make, scales, results, asked.numbers)
         found = differentiation.at(family.values)
         value, error = _chained(found, asked, scales)
+        error = np.maximum(error, LEAST_ERROR * np.abs(value))
         _check(asked, asked.numbers(found.values), asked.numbers(results), value, scales)
     except DerivativeError as failure:
         raise StudyError(f'{failure}; take method = "differences"') from failure
@@ -82,12 +85,14 @@ def _check(
 ) -> None:
     """`DerivativeError` where outputs came out otherwise than without derivatives."""
     sizes = np.abs(plain) + np.abs(value * list(scales.values())).max(axis=1)
-    away = np.abs(found - plain)
+    # What is no number in either run is no miss.
+    away = np.where(np.isnan(found) & np.isnan(plain), 0.0, np.abs(found - plain))
     of_outputs, of_series = asked.split(np.stack([away, sizes], axis=1))
     parts = [*of_outputs[:, None], *of_series.values()]
     for output, part in zip((*asked.outputs, *asked.series), parts, strict=True):
-        miss, size = np.nan_to_num(part).max(axis=0).tolist()
-        if miss > MAX_DEPARTURE * size + ABSOLUTE_ROUNDING:
+        miss, size = part[:, 0].max(), np.nan_to_num(part[:, 1]).max()
+        # Not at most, as what is no number in one of them alone is not.
+        if not miss <= MAX_DEPARTURE * size + ABSOLUTE_ROUNDING:
             raise DerivativeError(
                 f"{output} differs by {miss:.2g} of {size:.2g} from the run without derivatives: "
                 "rounding grows in this motion"

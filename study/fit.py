@@ -128,6 +128,8 @@ def fit_model(
     -9.81
     """
     family, starts = family_of(model, parameters)
+    if not series:
+        raise StudyError("series: expected times and values by quantity, found none")
     if isinstance(sigma, Mapping) and sigma.keys() != series.keys():
         raise StudyError(f"sigma: expected one for each of {', '.join(series)}, or one number")
     deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma or 0.0)
@@ -159,7 +161,7 @@ def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:
         read_series(one, study.path.parent, f"fit.series.{n}") for n, one in enumerate(table.series)
     ]
     if output is not None:
-        files = [study.path, study.base, *(study.path.parent / one.file for one in table.series)]
+        files = [*study.inputs, *(study.path.parent / one.file for one in table.series)]
         require_no_input(output, files, "an input of the fit")
     made = _fitted(study.parametrized, study.parameters, series, table.shift)
     # Written last: a fit that fails leaves no file.

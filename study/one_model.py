@@ -9,7 +9,7 @@ from typing import Any
 
 from ..files import renamed_when_whole
 from ..inputs import read_toml, toml_of
-from ..solver import Model, read_model
+from ..solver import FlexibleBody, Model, RigidSuperelement, read_model
 from ..solver.model.variation import Variation
 from .derived import definitions, own_names
 from .errors import StudyError
@@ -37,10 +37,14 @@ class StudyParameter:
 
 @dataclass(frozen=True, eq=False)
 class StudyOfOneModel:
-    """What a study file varies, without its cases; plan: how values become a model file."""
+    """What a study file varies, without its cases; plan: how values become a model file.
+
+    inputs: its file, that of the model, and those of superelements.
+    """
 
     path: Path
     base: Path
+    inputs: tuple[Path, ...]
     parameters: Mapping[str, StudyParameter]
     parametrized: Parametrized
     plan: Plan
@@ -93,7 +97,9 @@ def _study_of_one_model(file: StudyTables, path: Path) -> StudyOfOneModel:
         return plan.derivation_at(changed).look_up
 
     family = Parametrized(values, make, known)
-    return StudyOfOneModel(path, base, parameters, family, plan, file)
+    kinds = FlexibleBody | RigidSuperelement
+    sources = [Path(body.source) for body in model.bodies.values() if isinstance(body, kinds)]
+    return StudyOfOneModel(path, base, (path, base, *sources), parameters, family, plan, file)
 
 
 def _parameter(given: Mapping[str, Any], key: str, value: Any) -> tuple[str, StudyParameter]:

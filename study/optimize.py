@@ -103,7 +103,7 @@ def optimize(path: str | os.PathLike[str], output: str | os.PathLike[str] | None
             raise StudyError("expected the table [optimize], found none")
         target = None if output is None else Path(output).absolute()
         if target is not None:
-            require_no_input(target, [study.path, study.base], "an input of the search")
+            require_no_input(target, study.inputs, "an input of the search")
         goals = Goals(study.file.optimize, study.file.outputs)
         found = _optimum(study.parametrized, study.parameters, goals)
         if target is not None:
@@ -346,9 +346,11 @@ def _constraints(
 ) -> list[OptimizedConstraint]:
     limits, made = problem.goals.limits, []
     for n, table in enumerate(problem.goals.table.constraints):
-        multiplier = 0.0
+        multiplier, scale_of_0 = 0.0, 1.0
         for k, limit in enumerate(limits):
             if limit.constraint == n:
+                if limit.value == 0.0:
+                    scale_of_0 = problem.scales[k]
                 of_rows = holds.multipliers[problem.limit_rows == k].sum()
                 multiplier += float(of_rows) * problem.objective_scale / problem.scales[k]
         made.append(
@@ -360,6 +362,7 @@ def _constraints(
                 float(start.constraints[n]),
                 float(best.constraints[n]),
                 multiplier,
+                scale_of_0,
             )
         )
     return made

@@ -28,7 +28,8 @@ class OptimizedConstraint:
 
     output, unit: of it; low, high: its limits, infinite where there is none; start, value: of it;
     multiplier: by how much the objective gets better for each unit that the limit gives way, of an
-    equality for each unit that it grows.
+    equality for each unit that it grows; scale_of_0: the size by which a limit of 0 is counted,
+    how much the parameters change the output.
     """
 
     output: str
@@ -38,18 +39,22 @@ class OptimizedConstraint:
     start: float
     value: float
     multiplier: float
+    scale_of_0: float
 
     @property
     def is_missed(self) -> bool:
         """Whether it is beyond a limit, by more than rounding."""
         over = max(self.value - self.high, self.low - self.value)
-        return over > LARGEST_MISS * (abs(self.high if self.value > self.high else self.low) or 1.0)
+        return over > LARGEST_MISS * self._size(self.high if self.value > self.high else self.low)
 
     @property
     def is_active(self) -> bool:
         """Whether it is at a limit."""
         ends = [end for end in (self.low, self.high) if abs(end) < float("inf")]
-        return any(abs(self.value - end) <= ACTIVE_MARGIN * (abs(end) or 1.0) for end in ends)
+        return any(abs(self.value - end) <= ACTIVE_MARGIN * self._size(end) for end in ends)
+
+    def _size(self, limit: float) -> float:
+        return abs(limit) or self.scale_of_0
 
 
 @dataclass(frozen=True, eq=False)

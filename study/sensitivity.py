@@ -110,7 +110,7 @@ def sensitivities(
     -----
     Where a contact, a stop, a limit or friction switches, a run with fixed steps has another slope
     than the motion. Steps then scatter: the widest difference is taken, and a note says so. Dual
-    numbers are then taken at four values nearby too, whose scatter is the error. Where it exceeds a
+    numbers are then taken at five values nearby too, whose scatter is the error. Where it exceeds a
     thousandth, differences are tried, and of both that with the smaller error is taken.
 
     Examples

@@ -17,6 +17,9 @@ from .other_modes import first_lags, ratios_at
 from .superelement import Superelement
 from .validation import SuperelementError
 
+COINCIDING = 1e-9
+"""relative difference of frequencies whose modes may be any of their plane"""
+
 
 def design_arrays(base: Superelement, values: Mapping[str, float]) -> Superelement:
     """A superelement at values of parameters by name; see `redesigned`."""
@@ -93,4 +96,22 @@ def _modes(squares: Array, K: Array, M: Array) -> tuple[Array, Array]:
     if not mu[0] > 0.0:
         raise SuperelementError("the mass is no longer positive definite")
     V = d[:, None] * np.linalg.solve(L.T, Y) / np.sqrt(mu)
-    return 1.0 / np.sqrt(mu[::-1]), V[:, ::-1]
+    omega = 1.0 / np.sqrt(mu[::-1])
+    return omega, _like_before(omega, V[:, ::-1])
+
+
+def _like_before(omega: Array, V: Array) -> Array:
+    """V with signs, and bases of coinciding frequencies, next to those of the modes before.
+
+    Eigenvectors have any sign, and any basis where frequencies coincide. Then they would jump from
+    one value of a parameter to the next. Of V_c, the modes of one frequency, the block B of the
+    modes before of which they have most gives V_c Q with Q = U W^T, B^T = U S W^T (Procrustes).
+    """
+    found = np.empty_like(V)
+    starts = np.flatnonzero(np.diff(omega) > COINCIDING * omega[1:]) + 1
+    for columns in np.split(np.arange(len(omega)), starts):
+        modes = V[:, columns]
+        most = np.argsort((modes**2).sum(axis=1))[len(omega) - len(columns) :]
+        U, _, Wt = np.linalg.svd(modes[np.sort(most)].T)
+        found[:, columns] = modes @ U @ Wt
+    return found

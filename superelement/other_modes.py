@@ -1,5 +1,8 @@
 """What follows from the modes of a superelement when they change: damping, and the kernel."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from ..files.arrays import Array
@@ -19,14 +22,17 @@ FIRST_LAGS = 10
 def ratios_at(element: Superelement, omega: Array) -> Array:
     """The damping ratios (m,) that its modes have once their frequencies are omega (m,) [rad/s].
 
-    A table over frequency is read there; one ratio for all modes stays; Rayleigh's 2 zeta omega =
-    mass + stiffness omega^2 follow the frequencies. `SuperelementError` for others.
+    A table over frequency is read there; Rayleigh's 2 zeta omega = mass + stiffness omega^2 follow
+    the frequencies; one ratio for all modes stays. `SuperelementError` for others. The body file
+    tells which it is, or else the ratios, of which one or two may be of any kind.
     """
     assert element.modes is not None
     zeta, before = element.modes.zeta, element.modes.omega
-    modal = element.provenance.tables.get("damping", {}).get("modal")
-    if isinstance(modal, dict):
+    damping = element.provenance.tables.get("damping", {})
+    if isinstance(modal := damping.get("modal"), dict):
         return np.interp(omega / (2.0 * np.pi), modal["frequencies"], modal["ratios"])
+    if isinstance(rayleigh := damping.get("rayleigh"), dict):
+        return _by_rayleigh(*_coefficients(rayleigh), omega)
     same = np.array_equal(omega, before)
     if same or np.ptp(zeta) <= EQUAL_RATIOS * zeta.max(initial=0.0):
         return zeta
@@ -39,13 +45,26 @@ def ratios_at(element: Superelement, omega: Array) -> Array:
         mass, stiffness = np.where(rounding, 0.0, found)
         misfit = np.abs(shares @ [mass, stiffness] - 1.0).max()
         if min(mass, stiffness) >= 0.0 and misfit <= EQUAL_RATIOS:
-            ratios: Array = 0.5 * (mass / omega + stiffness * omega)
-            return ratios
+            return _by_rayleigh(mass, stiffness, omega)
     raise SuperelementError(
         f"the damping ratios of {element.name} differ from mode to mode and are not Rayleigh's, so "
         "that those at other frequencies are not known: expected one ratio for all modes, "
         "Rayleigh's or a loss factor"
     )
+
+
+def _coefficients(rayleigh: Mapping[str, Any]) -> tuple[float, float]:
+    """mass [1/s] and stiffness [s] of the table of a body file, or by its two ratios."""
+    if "ratios" not in rayleigh:
+        return rayleigh.get("mass", 0.0), rayleigh.get("stiffness", 0.0)
+    at = 2.0 * np.pi * np.array(rayleigh["frequencies"])
+    mass, stiffness = np.linalg.solve(0.5 * np.stack([1.0 / at, at], axis=1), rayleigh["ratios"])
+    return mass, stiffness
+
+
+def _by_rayleigh(mass: float, stiffness: float, omega: Array) -> Array:
+    ratios: Array = 0.5 * (mass / omega + stiffness * omega)
+    return ratios
 
 
 def first_lags(modes: Modes, stored: Kernel, band: float | None) -> Kernel:

@@ -430,6 +430,7 @@ class Mechanism:
         step: float | None = None,
         *,
         scales: Mapping[str, float] | None = None,
+        method: str = "differences",
         **settings: Any,
     ) -> "study.Sensitivities":
         """Derivatives of outputs of a run by parameters, see `duhamel.study.sensitivities`.
@@ -446,6 +447,8 @@ class Mechanism:
             Those of `simulate`.
         scales : mapping of float, optional
             The sizes by which steps are counted, of parameters that are 0.
+        method : {"differences", "dual"}
+            By runs beside these values, or by one run with dual numbers.
 
         Returns
         -------
@@ -479,6 +482,7 @@ class Mechanism:
             {name: one.start or 0.0 for name, one in varied.parameters.items()},
             {name: varied.output(text) for name, text in named.items()},
             scales=scales,
+            method=method,
         )
 
     def fit(

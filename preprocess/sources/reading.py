@@ -105,7 +105,8 @@ def with_body(source: Source, body: Body) -> Source:
     """A source for other materials, loads or sensors, on the mesh that it has."""
     if body.matrices is not None:
         return read_source(body)
-    mesh = getattr(source, "mesh", None)
+    # The mesh of solids and shells together no longer tells these apart.
+    mesh = getattr(source, "given", getattr(source, "mesh", None))
     assert isinstance(mesh, Mesh)
     return source_of(mesh, relaxed(body))
 

@@ -35,7 +35,7 @@ UNITS_OF = {
     "mass": {"kg": 1.0},
     "number": {"1": 1.0, "-": 1.0},
 }  # fmt: skip
-"""SI units of each unit by quantity; the first one is that of a column without a unit"""
+"""SI units of each unit by quantity; the first is that of a column without one, but `frequency`"""
 SPEED_COLUMNS = "speed", "frequency"
 MATRIX_ENTRIES = "xx", "xy", "yx", "yy"
 """of a matrix, by rows: x is e_1 of the bearing, y is e_2"""
@@ -71,6 +71,7 @@ def read_bearing_table(path: str, film: Mapping[str, float]) -> BearingTable:
     else:
         columns = _of_csv(path, bool(film))
     _check_missing(path, columns)
+    _check_dimensionless(path, columns, film)
     for name, why in UNSUPPORTED_COLUMNS.items():
         if name in columns and columns[name].any():
             raise ModelError(f"file: {path}: column {name}: expected zeros, for {why}")
@@ -78,12 +79,14 @@ def read_bearing_table(path: str, film: Mapping[str, float]) -> BearingTable:
     K, C = (np.array([columns.get(letter + k, zero) for k in MATRIX_ENTRIES]).T for letter in "kc")
     if "sommerfeld" in columns:
         table = _of_film(columns["sommerfeld"], K, C, film)
-    elif film:
-        raise ModelError(f"file: {path}: expected a column sommerfeld, for film is given")
     else:
         table = BearingTable(next(columns[name] for name in SPEED_COLUMNS if name in columns), K, C)
-    _check_increasing(path, table.speeds)
-    return table
+    if len(table.speeds) < 2:
+        raise ModelError(f"file: {path}: expected two or more speeds, found {len(table.speeds)}")
+    # Published tables often begin with the largest load.
+    falls = "sommerfeld" in columns and bool(table.speeds[0] > table.speeds[-1])
+    _check_order(path, table.speeds, falls)
+    return BearingTable(*(column[::-1] for column in table)) if falls else table
 
 
 def _check_missing(path: str, columns: Mapping[str, Array]) -> None:
@@ -98,27 +101,48 @@ def _check_missing(path: str, columns: Mapping[str, Array]) -> None:
         )
 
 
-def _check_increasing(path: str, speeds: Array) -> None:
-    falls = np.flatnonzero(np.diff(speeds) <= 0.0)
-    if len(falls):
-        k = int(falls[0])
+def _check_dimensionless(
+    path: str, columns: Mapping[str, Array], film: Mapping[str, float]
+) -> None:
+    """Sommerfeld numbers and a film, or neither."""
+    if "sommerfeld" not in columns:
+        if film:
+            raise ModelError(f"file: {path}: expected a column sommerfeld, for film is given")
+        return
+    if not film:
         raise ModelError(
-            f"file: {path}: row {k + 2} of the table: expected speeds that increase, found "
-            f"{speeds[k + 1]:.6g} rad/s after {speeds[k]:.6g} rad/s"
+            f"file: {path}: column sommerfeld: expected film = {{{', '.join(FILM_KEYS)}}} of "
+            "the bearing, which makes coefficients of dimensionless ones"
         )
-    if len(speeds) < 2:
-        raise ModelError(f"file: {path}: expected two or more speeds, found {len(speeds)}")
+    for name in SPEED_COLUMNS:
+        if name in columns:
+            raise ModelError(f"file: {path}: expected a column sommerfeld or {name}, found both")
+    for k, number in enumerate(columns["sommerfeld"].tolist()):
+        if not number > 0.0:
+            raise ModelError(
+                f"file: {path}: column sommerfeld: row {k + 1} of the table: expected a number "
+                f"above 0, found {number:g}"
+            )
+
+
+def _check_order(path: str, speeds: Array, falls: bool) -> None:
+    """Speeds, as they stand in the file, all rise or all fall."""
+    wrong = np.flatnonzero(np.diff(speeds) * (-1.0 if falls else 1.0) <= 0.0)
+    if len(wrong):
+        k = int(wrong[0])
+        raise ModelError(
+            f"file: {path}: row {k + 2} of the table: expected speeds that "
+            f"{'decrease' if falls else 'increase'}, found {speeds[k + 1]:.6g} rad/s after "
+            f"{speeds[k]:.6g} rad/s"
+        )
 
 
 def _of_film(numbers: Array, K: Array, C: Array, film: Mapping[str, float]) -> BearingTable:
-    """The table of a dimensionless one, in the order of its speeds."""
+    """The table of a dimensionless one."""
     load, clearance, viscosity, length, diameter = (film[key] for key in FILM_KEYS)
     per_turn = viscosity * length * diameter / load * (0.5 * diameter / clearance) ** 2
     speeds = 2.0 * np.pi * numbers / per_turn
-    # Published tables often begin with the largest load.
-    order = slice(None) if speeds[0] < speeds[-1] else slice(None, None, -1)
-    by_speed = C * load / (clearance * speeds[:, None])
-    return BearingTable(speeds[order], (K * load / clearance)[order], by_speed[order])
+    return BearingTable(speeds, K * load / clearance, C * load / (clearance * speeds[:, None]))
 
 
 def _of_csv(path: str, dimensionless: bool) -> dict[str, Array]:
@@ -133,16 +157,14 @@ def _of_csv(path: str, dimensionless: bool) -> dict[str, Array]:
             raise ModelError(f"file: {path}: more than one column is {name}")
         if dimensionless and quantity in ("stiffness", "damping"):
             quantity = "number"
+        if name == "frequency" and unit is None:
+            # That of ROSS is in rad/s, and that of others in Hz.
+            raise ModelError(
+                f"file: {path}: column {quoted(header)}: expected a unit in brackets, "
+                f"{', '.join(UNITS_OF['speed'])}, found none"
+            )
         factor = _factor(path, header, quantity, unit)
         found[name] = factor * column_of(path, header)
-    if "sommerfeld" in found:
-        if not dimensionless:
-            raise ModelError(
-                f"file: {path}: column sommerfeld: expected film = {{{', '.join(FILM_KEYS)}}} of "
-                "the bearing, which makes coefficients of dimensionless ones"
-            )
-        if not (found["sommerfeld"] > 0.0).all():
-            raise ModelError(f"file: {path}: column sommerfeld: expected numbers above 0")
     return found
 
 

@@ -36,6 +36,7 @@ from ..schema.values import (
 )
 from ..step.rows import Angle as AngleRow
 from ..step.rows import Translation
+from ..step.spin_tables import MARGIN_OF_TABLE
 from .bearing_tables import FILM_KEYS, read_bearing_table
 from .coupling import Coupling
 from .joint import basis_about
@@ -69,7 +70,8 @@ class Bearing(Entry, Coupling):
         is within 26 degrees of the axis).
     speeds : (n,), optional [rad/s]
         Increasing spins of the rows of stiffness and damping, which are linear between them. The
-        spin may leave them by a hundredth of their range; a run that goes further stops.
+        spin may leave them by a hundredth of their range, where the coefficients of the end hold; a
+        run that goes further stops, and a linear analysis beyond is refused.
     table : path, optional
         A file with speeds, stiffness and damping: CSV with the columns speed, kxx, kxy, kyx, kyy,
         cxx, cxy, cyx, cyy and their units, or the TOML or JSON that ROSS saves. x is e_1, y is e_2.
@@ -173,11 +175,12 @@ class Bearing(Entry, Coupling):
         return self.axis
 
     def coefficients(self, spin: float) -> tuple[Array, Array]:
-        """K and C (2, 2) at a spin [rad/s]; ModelError beyond the table."""
+        """K and C (2, 2) at a spin [rad/s]; ModelError beyond the margins of the table."""
         if self.speeds is None:
             return self.stiffness[0], self.damping[0]
         first, last = float(self.speeds[0]), float(self.speeds[-1])
-        if not first <= spin <= last:
+        margin = MARGIN_OF_TABLE * (last - first)
+        if not first - margin <= spin <= last + margin:
             raise self.error(
                 f"speeds: {spin:.6g} rad/s is beyond its table, from {first:.6g} to {last:.6g}"
             )

@@ -6,9 +6,12 @@ smooth there,
     D(d) = (f(p + d) - f(p - d)) / (2 d),      df/dp = (4 D(d/2) - D(d)) / 3 + O(d^4)
 
 which costs no run, for all arrays together. Where a model is valid on one side alone, as one whose
-body is a plane lamina, the four values lie on that side. Where D(d) and D(d/2) differ by more than
-such an f explains, the parameter moves a kink, as a corner of a signal past a step: then there is
-no seed. Source: docs/theory.md, Derivatives by dual numbers.
+body is a plane lamina, the four values lie on that side. The fourth difference of all five values,
+
+    f(p + d) - 4 f(p + d/2) + 6 f(p) - 4 f(p - d/2) + f(p - d) = O(d^4)
+
+is next to nothing, also where df/dp = 0. If not, the parameter moves a kink or a jump, as a corner
+of a signal past a step: then there is no seed. Source: docs/theory.md, Derivatives by dual numbers.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,14 +33,15 @@ from .records import array_names, has_derivatives
 SEED_STEP = 2e-4
 """of the scale of a parameter"""
 CENTRAL_STEPS = (1.0, -1.0, 0.5, -0.5)
-# The weights of both formulas, for steps of one: of O(d^4) and, for the check, of a lower order.
-CENTRAL_WEIGHTS = (0.0, -1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0), (0.0, 0.5, -0.5, 0.0, 0.0)
+# The weights of the value itself and the others, for steps of one: of the derivative, and of the
+# fourth difference.
+CENTRAL_WEIGHTS = (0.0, -1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0), (6.0, 1.0, 1.0, -4.0, -4.0)
 ONE_SIDED = (1.0, 0.75, 0.5, 0.25)
-ONE_SIDED_WEIGHTS = (-25.0 / 3.0, -1.0, 16.0 / 3.0, -12.0, 16.0), (-3.0, -1.0, 0.0, 4.0, 0.0)
+ONE_SIDED_WEIGHTS = (-25.0 / 3.0, -1.0, 16.0 / 3.0, -12.0, 16.0), (1.0, 1.0, -4.0, 6.0, -4.0)
 MAX_SEED_CHANGE = 1e-5
-"""of the largest derivative of an array, between both formulas"""
+"""of the largest derivative of an array, by the fourth difference over the step"""
 SEED_ROUNDING = 1e-12
-"""of the largest number of an array, or of 0.1 in SI units, which the check does not count"""
+"""of the largest number of an array, or of 0.1 in SI units: of each number that the check weighs"""
 FREE_NUMBERS = frozenset({"bodies/size"})
 """numbers that are no part of the motion, and may depend on parameters"""
 
@@ -117,7 +121,7 @@ def _derivatives(
             # Scratch has residuals of the start, which are rounding alone.
             if not is_smooth and part != "work":
                 raise DerivativeError(
-                    f"{parameter}: the model changes by a kink or a jump beside its value "
+                    f"{parameter}: the model changes by a kink or a jump at or beside its value "
                     f"({part}/{name})"
                 )
             if derivative.any():
@@ -137,11 +141,13 @@ def _derivative(
     derivative, is_smooth = np.zeros(base.shape), True
     if moves.any():
         samples = np.array([one[moves] for one in arrays])
-        best, lower = (np.array(row) @ samples / step for row in weights)
+        formulas = np.array(weights)
+        best, change = formulas @ samples / step
         allowed = MAX_SEED_CHANGE * np.abs(best).max()
-        allowed += SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
+        rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
+        allowed += np.abs(formulas[1]).sum() * rounding
         # False too for what is no number.
-        is_smooth = bool(np.abs(best - lower).max() <= allowed)
+        is_smooth = bool(np.abs(change).max() <= allowed)
         derivative[moves] = best
     return derivative, is_smooth
 

@@ -69,7 +69,7 @@ def film(path, **more):
         ("pounds.csv", csv((1.0, 175.12683524647636, 175.12683524647636),
                            ("", " [lbf/in]", " [lbf*s/in]"))),
         ("entries.csv", csv(names=[n.translate(str.maketrans("xy", "12")) for n in NAMES])),
-        ("semicolons.csv", csv(speed="Frequency").replace(",", ";")),
+        ("semicolons.csv", csv(speed="Frequency [rad/s]").replace(",", ";")),
         ("ross.toml", ROSS),
         ("ross.json", json.dumps(tomllib.loads(ROSS) | {"n_link": None})),
     ],
@@ -193,6 +193,10 @@ HEADER = "speed, " + ", ".join(NAMES)
          "column mxx: expected zeros, for added masses are not supported"),
         ("a.csv", "sommerfeld, kxx, kyy, cxx, cyy\n1, 1, 1, 1, 1\n2, 1, 1, 1, 1",
          "column sommerfeld: expected film = {load, clearance, viscosity, length, diameter}"),
+        ("a.json", json.dumps({key: [1, 2] for key in ("sommerfeld", *NAMES)}),
+         "a.json: column sommerfeld: expected film = {load, "),
+        ("a.csv", f"{HEADER.replace('speed', 'Frequency')}\n0, {ONE}\n9, {ONE}",
+         r"column 'Frequency': expected a unit in brackets, rad/s, rpm, Hz, found none"),
         ("a.csv", "", "a.csv: expected rows of numbers, found none"),
         ("a.xlsx", "", "expected a CSV file, got a spreadsheet: export it as CSV"),
         ("a.toml", ROSS.replace("1100000.0", '"x"'),
@@ -211,6 +215,37 @@ def test_what_a_table_refuses(tmp_path, name, text, message):
     (tmp_path / name).write_text(text)
     with pytest.raises(ModelError, match=message):
         film(tmp_path / name)
+
+
+def dimensionless(suffix, numbers, more=()):
+    """A table over Sommerfeld numbers, with more columns."""
+    columns = {"sommerfeld": numbers, **dict(more)}
+    columns |= dict.fromkeys(("kxx", "kyy", "cxx", "cyy"), [1.0] * len(numbers))
+    if suffix == "json":
+        return json.dumps(columns)
+    if suffix == "toml":
+        return "[film]\n" + "".join(f"{key} = {values}\n" for key, values in columns.items())
+    rows = [columns, *zip(*columns.values(), strict=True)]
+    return "\n".join(", ".join(map(str, row)) for row in rows)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "toml", "json"])
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        (([0.0, 0.5],), "sommerfeld: row 1 of the table: expected a number above 0, found 0"),
+        (([0.5, -1.0],), "row 2 of the table: expected a number above 0, found -1"),
+        (([0.1, 0.5], {"speed": [10.0, 20.0]}), "a column sommerfeld or speed, found both"),
+        (([0.5],), "expected two or more speeds, found 1"),
+        (([3.0, 2.0, 2.5, 1.0],), "row 3 of the table: expected speeds that decrease, found"),
+        (([1.0, 3.0, 2.0, 4.0],), "row 3 of the table: expected speeds that increase, found"),
+    ],
+)  # fmt: skip
+def test_what_a_dimensionless_table_refuses(tmp_path, suffix, columns, message):
+    path = tmp_path / f"a.{suffix}"
+    path.write_text(dimensionless(suffix, *columns))
+    with pytest.raises(ModelError, match=message):
+        film(path, film=FILM)
 
 
 @pytest.mark.parametrize(

@@ -188,16 +188,41 @@ def _start_by(make, name, value):
     return start_of(make(**{name: value}), recorded_rows)
 
 
-def test_a_kink_beside_the_value_is_noticed():
-    def falling(x):
-        body = RigidBody(1.0 + abs(x - 1.00003), [1.0, 1.0, 1.0])
-        return Model({"body": body}, settings=Settings(t_end=0.1, step=1e-2))
+def seeds_by_mass(mass):
+    """Seeds of a body of mass(x) at x = 1."""
 
-    start = start_of(falling(1.0), recorded_rows)
+    def start(x):
+        body = RigidBody(mass(x - 1.0), [1.0, 1.0, 1.0])
+        settings = Settings(t_end=0.1, step=1e-2)
+        return start_of(Model({"body": body}, settings=settings), recorded_rows)
+
+    return seeds_of(start(1.0), start, "x", 1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        abs,
+        lambda d: abs(d - 3e-5),
+        lambda d: 0.01 * abs(d + 1.3e-4),
+        lambda d: max(d, 0.0),
+        lambda d: 1e-4 * (d > 0.0),
+        lambda d: 1e-4 * (d > -1.7e-4),
+        lambda d: 1e-4 * (d == 0.0),
+    ],
+)
+def test_a_kink_or_a_jump_at_or_beside_the_value_is_noticed(change):
     with pytest.raises(
-        DerivativeError, match=r"kink or a jump beside its value \(system/bodies/mass"
+        DerivativeError, match=r"kink or a jump at or beside its value \(system/bodies/mass"
     ):
-        seeds_of(start, lambda x: start_of(falling(x), recorded_rows), "x", 1.0, 1.0)
+        seeds_by_mass(lambda d: 1.0 + d + change(d))
+
+
+@pytest.mark.parametrize("slope", [0.0, 1e-3])
+def test_what_is_smooth_may_be_stationary(slope):
+    seeds = seeds_by_mass(lambda d: 2.0 + slope * d + d**2 + 5.0 * d**3)
+    found = seeds.arrays["system"]["bodies/mass"]
+    np.testing.assert_allclose(found, slope, atol=1e-10)
 
 
 def test_models_without_derivatives_are_named():

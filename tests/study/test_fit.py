@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from duhamel.cli import app
 from duhamel.solver import read_model, simulate
-from duhamel.study import StudyError, fit
+from duhamel.study import Parameter, StudyError, fit, fit_model
 from duhamel.study.covariance import covariance_of
 from typer.testing import CliRunner
 
@@ -285,3 +285,8 @@ def test_a_shift_keeps_all_samples_within_the_run(bench):
     np.savetxt(bench / "tip.csv", rows, delimiter=",", header="time,tip", comments="")
     with pytest.raises(StudyError, match=r"fit.shift: expected series that begin after the run"):
         fit(bench / "study.toml")
+
+
+def test_a_fit_to_nothing_is_refused():
+    with pytest.raises(StudyError, match="series: expected times and values by quantity"):
+        fit_model(lambda m: None, {"m": Parameter(start=1.0)}, {})

@@ -99,6 +99,27 @@ def test_multipliers_are_what_limits_cost():
     assert tighter.value - found.value == pytest.approx(0.02, rel=1e-4)
 
 
+@pytest.mark.parametrize("unit", [1e-7, 1.0, 1e9])
+def test_a_limit_of_0_is_missed_or_active_in_any_unit(unit):
+    def least(text, ends):
+        found = optimize_model(
+            lambda m: ball(mass=m),
+            {"m": between(1.0, 5.0, 3.0)},
+            minimize="m**2",
+            constraints={text.format(unit): ends},
+        )
+        return found, found.constraints[0]
+
+    kept, limit = least("{} * (m**3 - 8)", (0.0, None))
+    assert kept.is_feasible
+    assert limit.is_active
+    assert not limit.is_missed
+    missed, limit = least("{} * (m + 1)", (None, 0.0))
+    assert not missed.is_feasible
+    assert limit.is_missed
+    assert not limit.is_active
+
+
 def test_an_equality_is_kept_and_has_a_multiplier_of_its_own_sign():
     """v + h least with v h = 6 has v = h = sqrt(6), and grows by 1 / sqrt(6) with the 6."""
     found = optimize_model(
@@ -269,11 +290,12 @@ def test_arithmetic_that_falls_with_its_peak_is_taken_as_one_number():
     assert found.values["v"] == pytest.approx(np.sqrt(2.0 * G), rel=1e-3)
 
 
-def test_noise_of_a_contact_takes_wide_differences():
+@pytest.mark.parametrize("bounds", [(5e3, 5e4), (1e4, 5e4), (5e3, 1e4)])
+def test_noise_of_a_contact_takes_wide_differences(bounds):
     """The time of flight of a ball on a stiff floor, with few steps in a contact."""
     found = optimize_model(
         bouncing(),
-        {"k": Parameter("contacts.floor.stiffness", bounds=(5e3, 5e4), start=1e4)},
+        {"k": Parameter("contacts.floor.stiffness", bounds=bounds, start=1e4)},
         {"end": "final position:ball:z"},
         minimize="end**2",
     )
@@ -331,6 +353,7 @@ def test_starts_outside_of_bounds_are_refused():
 def test_a_start_at_a_bound_and_one_that_does_not_run():
     found = optimize_model(lambda v: ball(v=v), {"v": between(2.0, 9.0, 9.0)}, minimize=HEIGHT)
     assert found.converged
+    assert not found.remarks
     assert found.values["v"] == 2.0
     with pytest.raises(StudyError, match=r"does not run at the start: .*mass"):
         optimize_model(

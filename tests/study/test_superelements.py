@@ -4,6 +4,7 @@ import duhamel as du
 import numpy as np
 import pytest
 from duhamel import results, study, superelement
+from duhamel.files import OverwriteError
 from duhamel.solver import ModelError, read_model, simulate, write_model
 from duhamel.study import StudyError, sensitivities
 
@@ -235,3 +236,55 @@ def test_fields_of_a_scaled_body_in_memory_are_those_of_its_file(model, tmp_path
     np.testing.assert_allclose(
         given.displacement("rod", 0.005), expected, atol=1e-6 * np.abs(expected).max()
     )
+
+
+FACTORS = ("scale.stiffness", "scale.density", "scale.damping")
+
+
+def test_derivatives_by_dual_numbers_are_those_by_differences(designed):
+    model = read_model(designed)
+    keys = {key: f"bodies.rod.{key}" for key in (*FACTORS, "design.bending")}
+    for parameters in (keys, {"bending": keys["design.bending"]}):
+        dual, other = (
+            sensitivities(model, parameters, ["final velocity:rod.tip:y"], method=method)
+            for method in ("dual", "differences")
+        )
+        np.testing.assert_allclose(dual.derivative, other.derivative, rtol=1e-6)
+        # Neither knows less than it says; the arrays behind both are rounded.
+        assert (
+            np.abs(dual.derivative - other.derivative) <= 10.0 * (dual.error + other.error)
+        ).all()
+        assert (dual.error >= 1e-11 * np.abs(dual.derivative)).all()
+
+
+def test_modes_of_coinciding_frequencies_stay_next_to_those_of_the_file():
+    square = du.Section.rectangle(
+        du.Material(E=E, nu=0.3, rho=RHO), 0.02, 0.02, orientation=(0.0, 1.0, 0.0)
+    )
+    made = part(square)
+    made.derivative("bending", powers={"section.EI_z": 1.0, "section.EI_y": 1.0})
+    element = made.superelement(step=2e-5, duration=1e-2)
+    start = element.derivatives["bending"].value
+    largest = np.abs(element.modes.phi).max()
+    for share in (-2e-4, -1e-4, 0.0, 1e-4, 2e-4):
+        other = superelement.redesigned(element, {"bending": start * (1.0 + share)})
+        away = np.abs(other.modes.phi - element.modes.phi).max()
+        assert away <= (abs(share) + 1e-9) * largest
+
+
+def test_the_superelement_of_a_model_is_no_output_of_a_search_or_a_fit(model):
+    (model.parent / "stiffness.toml").write_text(
+        """
+        model = "swing.toml"
+        parameters.bodies.rod.scale.stiffness.uniform = [0.9, 1.2]
+        outputs.y = "final velocity:rod.tip:y"
+        optimize.minimize = "y"
+        [[fit.series]]
+        quantity = "velocity:rod.tip:y"
+        file = "test.csv"
+        """
+    )
+    (model.parent / "test.csv").write_text("0, 0\n0.001, 0\n")
+    for search in (study.optimize, study.fit):
+        with pytest.raises(OverwriteError, match="an input of the"):
+            search(model.parent / "stiffness.toml", model.parent / "rod.h5")

@@ -1,6 +1,7 @@
 """Scaled superelements beside rebuilds with other moduli, densities and losses."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import duhamel as du
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import skfem
 from duhamel.superelement import MeasuredModes, SuperelementError, scaled, write
 from duhamel.superelement.checks import require_sound
+from duhamel.superelement.other_modes import ratios_at
 
 from .observables import observables
 
@@ -104,6 +106,7 @@ DAMPINGS = {
     "modal": {"modal": 0.02},
     "rayleigh": {"rayleigh": {"mass": 3.0, "stiffness": 1e-6}},
     "stiffness": {"rayleigh": {"stiffness": 1e-6}},
+    "two ratios": {"rayleigh": {"frequencies": (100.0, 1e3), "ratios": (0.01, 0.02)}},
     "loss": {"loss_factor": 0.1, "band": (50.0, 5e3)},
     "reference": {"loss_factor": 0.1, "band": (50.0, 5e3), "reference_frequency": 500.0},
 }
@@ -112,7 +115,12 @@ DAMPINGS = {
 def times(damping, d):
     """A damping, d times as strong."""
     if "rayleigh" in damping:
-        return {"rayleigh": {key: d * value for key, value in damping["rayleigh"].items()}}
+        given = damping["rayleigh"]
+        return {
+            "rayleigh": {
+                k: v if k == "frequencies" else (d * np.array(v)).tolist() for k, v in given.items()
+            }
+        }
     return {key: d * x if key in ("modal", "loss_factor") else x for key, x in damping.items()}
 
 
@@ -125,6 +133,17 @@ def test_damping_is_that_of_a_rebuild(damping):
 
     found = scaled(made(1.0, 1.0, 1.0), stiffness=STIFFER, density=LIGHTER, damping=1.1)
     assert_same(found, made(STIFFER, LIGHTER, 1.1))
+
+
+def test_a_single_mode_with_rayleigh_damping_is_not_taken_for_one_ratio():
+    made = beam()
+    made.damping(rayleigh={"mass": 3.0, "stiffness": 1e-6})
+    element = made.superelement(step=STEP, duration=1e-2)
+    omega, zeta = element.modes.omega, element.modes.zeta
+    first = SimpleNamespace(omega=omega[:1], zeta=zeta[:1])
+    one = SimpleNamespace(modes=first, provenance=element.provenance, name="one")
+    expected = 0.5 * (3.0 / (2.0 * omega[:1]) + 1e-6 * 2.0 * omega[:1])
+    np.testing.assert_allclose(ratios_at(one, 2.0 * omega[:1]), expected, rtol=1e-12)
 
 
 def test_ratios_over_frequency_are_read_at_the_new_frequencies(tmp_path):

@@ -57,3 +57,12 @@ def test_what_is_wrong_with_parameters_is_named():
         m.optimize({"m": du.Parameter("bodies.ball.mass", bounds=(3.0, 1.0))}, minimize="m")
     with pytest.raises(StudyError, match=r"series 'position:ball:z': expected times and values"):
         m.fit({"m": "bodies.ball.mass"}, {"ball.position.z": ([0.0, 1.0], [0.0])})
+
+
+def test_derivatives_by_dual_numbers_and_an_unknown_method():
+    """z = g t^2 / 2: half a meter for each m/s^2."""
+    arguments = {"g": "simulation.gravity.2"}, {"end": "final ball.position.z"}
+    found = flying().sensitivities(*arguments, method="dual")
+    assert found.derivative[0, 0] == pytest.approx(0.5, rel=1e-9)
+    with pytest.raises(StudyError, match="method: expected differences or dual, found 'exact'"):
+        flying().sensitivities(*arguments, method="exact")

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of
 from duhamel.preprocess.assembly.losses import lossy_parts
+from duhamel.preprocess.body.measured import Measured
 from duhamel.preprocess.body.sensors import SensorPoint
 from duhamel.preprocess.mesh.cells import SOLID_TYPES
 from duhamel.preprocess.outline import outline_of
@@ -355,6 +356,31 @@ def test_a_superelement_of_both_has_modes_of_the_mesh_and_stresses():
     expected = case.frequencies([], 8)[6:]
     np.testing.assert_allclose(element.modes.frequencies[:2], expected, rtol=1e-6)
     assert element.recovery.stress.shape[:2] == (len(element.outline.points), 6)
+
+
+def test_a_superelement_of_both_takes_frequencies_of_a_modal_test(tmp_path):
+    """A test of the same body, 5 % higher."""
+    tip = {"tip": {"plane": {"point": [1.0, 0, 0], "normal": [1, 0, 0]}}}
+    modal = {"step": 1e-5, "steps": 50, "method": "modal"}
+    places = {f"a{k}": (x, y, 0.0) for k, (x, y) in enumerate([(x, y) for x in (0, 0.33, 0.66, 1)
+                                                               for y in (0, 0.2)])}  # fmt: skip
+    sensors = {name: {"point": place} for name, place in places.items()}
+    truth = build(tables(interfaces=tip, impulse=modal, sensors=sensors).body)
+    first = np.argsort(truth.modes.omega)[:3]
+    omega, shapes = truth.modes.omega[first], truth.channels.phi[:, first].T
+    labels = [f"{name}:{axis}" for name in places for axis in "xyz"]
+    rows = np.column_stack([1.05 * omega / (2 * np.pi), [0.01] * 3, shapes]).tolist()
+    lines = [["frequency", "damping", *labels], *rows]
+    (tmp_path / "modes.csv").write_text("\n".join(", ".join(map(str, line)) for line in lines))
+    lines = [(name, *place, axis) for name, place in places.items() for axis in "xyz"]
+    lines = [("label", "x", "y", "z", "axis"), *lines]
+    (tmp_path / "channels.csv").write_text("\n".join(", ".join(map(str, row)) for row in lines))
+    test = Measured(
+        modes=tmp_path / "modes.csv", channels=tmp_path / "channels.csv", update="frequencies"
+    )
+    element = build(tables(interfaces=tip, impulse=modal, measured=test).body)
+    assert element.measured.matched.all()
+    np.testing.assert_allclose(np.sort(element.modes.omega)[:3], 1.05 * omega, rtol=1e-9)
 
 
 def hung(first, second):
