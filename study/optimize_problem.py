@@ -319,16 +319,16 @@ class OptimizeProblem:
                     points += [start | {axis.name: high}, start | {axis.name: low}]
                     places.append((i, j, (1.0, -1.0, 0.0), high - low))
                 # Otherwise cut off at a bound. At it, one side is as good to second order.
-                elif not above or not below:
+                elif (not below and high < axis.high) or (not above and low > axis.low):
                     step = above or below
                     points += [start | {axis.name: axis.start + part * step} for part in (0.5, 1.0)]
                     places.append((i, j, (4.0, -1.0, -3.0), step))
         runs = self._runs(points)
         ends = [self._numbers_at(tops, at, run) for at, run in zip(points, runs, strict=True)]
         differences = np.full((len(self.axes), len(widths), len(self._lengths)), np.nan)
-        for (i, j, weights, width), one, other in zip(places, ends[::2], ends[1::2], strict=True):
+        for (i, j, weights, width), first, last in zip(places, ends[::2], ends[1::2], strict=True):
             slope = self.axes[i].slope(start[self.axes[i].name]) / width
-            differences[i, j] = slope * (np.array(weights) @ [one, other, base[tops]])
+            differences[i, j] = slope * (np.array(weights) @ [first, last, base[tops]])
         slopes = [slopes_of(one) for one in differences]
         # Rounding scatters too, of what hardly moves.
         sizes = np.max([np.nan_to_num(np.abs(one.value)) for one in slopes], axis=0)
