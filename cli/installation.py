@@ -31,14 +31,14 @@ REPORTED_VARIABLES = (
 USER_FOLDER_SIGN = "<user folder>"
 DISTRIBUTION_NAME = re.compile(r"[\w.-]+")
 # Names of folders with what separates them; a quotation mark between letters belongs to a name.
-FOLDERS = r"(?:(?:[^\\/:'\"\n]|(?<=\w)['\"](?=\w))+[\\/])"
+FOLDER_PARTS = r"(?:(?:[^\\/:'\"\n]|(?<=\w)['\"](?=\w))+[\\/])"
 # An absolute path up to its last name; behind a letter or a bracket a slash begins none.
-ABSOLUTE_FOLDERS = re.compile(rf"(?<![\w.<>~])(?:[A-Za-z]:)?[\\/](?!\s){FOLDERS}+")
+ABSOLUTE_FOLDERS = re.compile(rf"(?<![\w.<>~])(?:[A-Za-z]:)?[\\/](?!\s){FOLDER_PARTS}+")
 # Below those of a user, names of folders tell of what they work at.
-PERSONAL_FOLDERS = re.compile(rf"(?<=<user folder>)[\\/]{FOLDERS}*")
+PERSONAL_FOLDERS = re.compile(rf"(?<=<user folder>)[\\/]{FOLDER_PARTS}*")
 # Not in the middle of a path, nor of a sign that stands for one.
 PATH_START = r"(?<![\w.<>/\\~-])"
-HOME_OR_DOTS = re.compile(rf"{PATH_START}(?:~[\w.-]*|\.{{1,2}})[\\/]{FOLDERS}*")
+HOME_OR_DOTS = re.compile(rf"{PATH_START}(?:~[\w.-]*|\.{{1,2}})[\\/]{FOLDER_PARTS}*")
 # Only a last name with an ending tells a file from a unit, as N/mm.
 RELATIVE_FOLDERS = re.compile(rf"{PATH_START}(?:[\w.+@%-]+[\\/])+(?=[\w.+@%-]*\.\w*[A-Za-z]\w*)")
 # A shorter user name is part of too many words.

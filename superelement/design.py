@@ -17,7 +17,7 @@ from .other_modes import first_lags, ratios_at
 from .superelement import Superelement
 from .validation import SuperelementError
 
-COINCIDING = 1e-9
+COINCIDING_FREQUENCIES = 1e-9
 """relative difference of frequencies whose modes may be any of their plane"""
 
 
@@ -108,7 +108,7 @@ def _like_before(omega: Array, V: Array) -> Array:
     modes before of which they have most gives V_c Q with Q = U W^T, B^T = U S W^T (Procrustes).
     """
     found = np.empty_like(V)
-    starts = np.flatnonzero(np.diff(omega) > COINCIDING * omega[1:]) + 1
+    starts = np.flatnonzero(np.diff(omega) > COINCIDING_FREQUENCIES * omega[1:]) + 1
     for columns in np.split(np.arange(len(omega)), starts):
         modes = V[:, columns]
         most = np.argsort((modes**2).sum(axis=1))[len(omega) - len(columns) :]
