@@ -14,6 +14,7 @@ from pydantic import (
 )
 
 from .errors import InputError, did_you_mean, dotted, quoted
+from .file_kinds import FileKind, mistaken_for
 from .json_schema import describe
 from .text import parse_toml, read_text
 
@@ -119,15 +120,18 @@ def read_table(
     path: str | os.PathLike[str],
     kind: type[AnyTable] | Callable[[Mapping[str, Any]], type[AnyTable]],
     failure: type[Exception],
+    wanted: FileKind,
 ) -> tuple[AnyTable, str]:
     """The table in a TOML file, and its text.
 
-    kind: the class of the table, or what makes it from the content. A `failure` names the file,
-    the key, and the values found and expected.
+    kind: the class of the table, or what makes it from the content; wanted: what the file should
+    be. A `failure` names the file, the key, and the values found and expected.
     """
     text = read_text(path, failure)
     try:
         content = parse_toml(text)
+        if mistake := mistaken_for(wanted, content):
+            raise InputError(mistake)
         return read_part(content, kind if isinstance(kind, type) else kind(content)), text
     except InputError as error:
         raise failure(f"{path}: {error}") from error

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..files import FileError, in_one_line, require_regular
 from .errors import MAX_QUOTED_LENGTH, InputError, dotted, quoted
+from .file_kinds import told_by_beginning
 
 # 64 MiB: files that people write are far smaller, so a larger one is a mistake.
 MOST_BYTES = 1 << 26
@@ -27,7 +28,8 @@ def read_text(path: str | os.PathLike[str], failure: type[Exception] = InputErro
             raise failure(f"{path}: expected at most {MOST_BYTES} bytes of text, found {size}")
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise failure(f"{path}: not a readable file: not UTF-8: {error}") from error
+        what = told_by_beginning(error.object) or f"not UTF-8: {error}"
+        raise failure(f"{path}: not a readable file: {what}") from error
     except OSError as error:
         raise failure(f"{path}: not a readable file: {error.strerror or error}") from error
     except FileError as error:
@@ -52,6 +54,8 @@ def parse_toml(text: str) -> dict[str, Any]:
     except RecursionError as error:
         raise _too_deep() from error
     except ValueError as error:  # also an integer of thousands of digits, a date that there is not
+        if what := told_by_beginning(text[:MAX_QUOTED_LENGTH].encode()):
+            raise InputError(f"not a TOML file: {what}") from error
         raise InputError(f"not a TOML file: {in_one_line(error)[:MAX_QUOTED_LENGTH]}") from error
     _check(document)
     return document

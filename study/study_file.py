@@ -13,6 +13,7 @@ from pydantic import Field
 from ..files.memory import shortage
 from ..files.outputs import clash, resolved
 from ..inputs import Table, document_of, read_table, read_toml, rule
+from ..inputs.file_kinds import STUDY_FILE
 from .case import Case, Kind
 from .derived import Derivation, definitions, own_names
 from .errors import StudyError
@@ -162,7 +163,7 @@ def read_study(path: str | os.PathLike[str], folder: str | os.PathLike[str] | No
 
 def read_study_file(path: Path) -> StudyTables:
     """The tables of a study file; `StudyError` names the file and the key."""
-    return read_table(path, StudyTables, StudyError)[0]
+    return read_table(path, StudyTables, StudyError, STUDY_FILE)[0]
 
 
 def check_outputs(study: Study) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...inputs import InputError, document_of, parse_toml, read_part, read_text
+from ...inputs.file_kinds import BODY_FILE, mistaken_for
 from ..errors import BodyError
 from .body import Body
 from .measured_body import MeasuredBody
@@ -62,7 +63,10 @@ def read_body(path: str | os.PathLike[str]) -> AnyBody:
     """
     text = read_text(path, BodyError)
     try:
-        table = {"name": Path(path).stem, **parse_toml(text)}
+        given = parse_toml(text)
+        if mistake := mistaken_for(BODY_FILE, given):
+            raise InputError(mistake)
+        table = {"name": Path(path).stem, **given}
         measured = table.get("measured")
         of_test = isinstance(measured, dict) and "frf" in measured
         read: AnyBody = read_part(table, MeasuredBody) if of_test else read_part(table, Body)

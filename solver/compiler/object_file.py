@@ -180,10 +180,12 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
     The process leaves nothing behind, neither of numba's 200 MB nor of a failure. Where Python is
     embedded in another program there is none to be started, and they are made in this one.
     """
-    seconds, what = 8 + 7 * len(targets), "the time step"
+    seconds, more = 8 + 7 * len(targets), ""
     if any(COMPILED_TARGETS[target].derivatives for target in targets):
-        seconds, what = 40 * len(targets), "the time step with derivatives"
-    _announce(f"compiling {what}, about {seconds} seconds; later runs find it compiled")
+        seconds, more = 40 * len(targets), ", with derivatives"
+    _announce(
+        f"compiling the time step, about {seconds} seconds{more}; later runs find it compiled"
+    )
     if not sys.executable or hasattr(sys, "frozen"):
         return _built_here(targets)
     try:

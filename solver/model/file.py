@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, PositiveFloat, create_model
 from ...files import object_and_path, renamed_when_whole
 from ...files.outputs import AnyPath
 from ...inputs import Table, Vector, document_of, quoted, read_table, rule, toml_of
+from ...inputs.file_kinds import MODEL_FILE
 from ...superelement import Superelement, read, with_parameters
 from ..couplings.bearings import Bearing
 from ..couplings.contacts import Contact
@@ -261,7 +262,7 @@ def read_model(path: str | os.PathLike[str]) -> Model:
         Names the file, the key and the value found there. See `write_model` for an example.
     """
     path = Path(path)
-    file, text = read_table(path, table_of_model, ModelError)
+    file, text = read_table(path, table_of_model, ModelError, MODEL_FILE)
     # Paths in a model are relative to its file, wherever the program was started.
     with about(path), beside(path.parent):
         return model_of_tables(file, path, {}, text)

@@ -108,7 +108,6 @@ def test_an_absolute_mesh_path_stays(written):
 
 
 MISTAKES = [
-    ('name = "beam"', "", r"name: missing"),
     ('name = "beam"', 'name = ""', r"name: expected 1 to 100 characters, found ''"),
     ("[section]", "[sectoin]", r"unknown key 'sectoin'; did you mean 'section'\?"),
     ("EI_y = 5.5", "EIy = 5.5", r"section: unknown key 'EIy'; did you mean 'EI_y'\?"),
@@ -310,8 +309,19 @@ def test_materials(written, right, wrong, message):
 
 def test_several_mistakes_are_told_together(written):
     with pytest.raises(BodyError) as failure:
-        read_body(written(BEAM.replace("EA = 2.16e7", "EA = -1").replace("steps = 5000", "")))
+        read_body(written(BEAM.replace("EA = 2.16e7", "EA = -1").replace("EI_y = 5.5", "")))
     assert len(str(failure.value).split("; ")) == 2
+
+
+def test_a_body_has_the_name_of_its_file_and_steps_that_modes_continue(written):
+    body = read_body(written(BEAM.replace('name = "beam"', "").replace("steps = 5000", "")))
+    assert (body.name, body.impulse.steps) == ("body", 100)
+
+
+def test_marched_responses_need_their_number_of_steps(written):
+    text = BEAM.replace("steps = 5000", 'method = "march"')
+    with pytest.raises(BodyError, match="impulse: steps: needed with method march"):
+        read_body(written(text))
 
 
 def test_no_file(tmp_path):
