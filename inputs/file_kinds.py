@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 
-class FileKind(NamedTuple):
+class TomlKind(NamedTuple):
     """A kind of TOML file: what it is called, keys that it alone has, and what takes it."""
 
     name: str
@@ -12,17 +12,17 @@ class FileKind(NamedTuple):
     use: str
 
 
-MODEL_FILE = FileKind(
+MODEL_FILE = TomlKind(
     "a model file",
     frozenset({"simulation", "bodies", "joints", "ground"}),
     "duhamel run simulates it",
 )
-BODY_FILE = FileKind(
+BODY_FILE = TomlKind(
     "a body file",
     frozenset({"mesh", "matrices", "interfaces", "impulse", "measured"}),
     "duhamel preprocess makes a superelement of it",
 )
-STUDY_FILE = FileKind(
+STUDY_FILE = TomlKind(
     "a study file",
     frozenset({"model", "body", "outputs", "parameters"}),
     "duhamel sweep runs it",
@@ -35,7 +35,7 @@ BEGINNINGS_OF_FILES = {
 }
 
 
-def mistaken_for(wanted: FileKind, document: Mapping[str, Any]) -> str:
+def mistaken_for(wanted: TomlKind, document: Mapping[str, Any]) -> str:
     """The message about a file of another kind; "" for what may be one of the wanted kind."""
     if wanted.keys & document.keys():
         return ""

@@ -14,7 +14,7 @@ from pydantic import (
 )
 
 from .errors import InputError, did_you_mean, dotted, quoted
-from .file_kinds import FileKind, mistaken_for
+from .file_kinds import TomlKind, mistaken_for
 from .json_schema import describe
 from .text import parse_toml, read_text
 
@@ -120,7 +120,7 @@ def read_table(
     path: str | os.PathLike[str],
     kind: type[AnyTable] | Callable[[Mapping[str, Any]], type[AnyTable]],
     failure: type[Exception],
-    wanted: FileKind,
+    wanted: TomlKind,
 ) -> tuple[AnyTable, str]:
     """The table in a TOML file, and its text.
 
