@@ -11,8 +11,18 @@ from ..robots.document import comment, inline, table_head, tidy
 from .assembly_pairs import LARGE_COORDINATE, ROUND_KINDS, JointPair
 
 ASSUMED_STEEL = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
-END_TIME, TIME_STEP, IMPULSE_STEPS = 1e-2, 1e-5, 100
+END_TIME, TIME_STEP = 1e-2, 1e-5
 """Of the simulation [s] and of the impulse responses, until the user gives better ones."""
+FURTHER_TABLES = (
+    "# To uncomment: stresses in films and reports.",
+    "# [recovery]",
+    "# stress = true",
+    "# To uncomment: damping, without which the part rings on.",
+    "# [damping]",
+    "# loss_factor = 0.01    # of the material, and of joints within the part",
+    "# band = [50, 5000]     # [Hz] in which it is constant",
+)
+"""of a body file"""
 USUAL_ELEMENTS = 4000
 """Number of elements that a size is chosen for: some ten seconds of work on a part."""
 MAX_INTERFACES = 4
@@ -59,7 +69,7 @@ def body_file(part: NamedSolid, mesh: dict[str, object], pairs: Sequence[JointPa
     for feature in given:
         lines += ["", table_head("interfaces", interface_name(feature)), feature.key]
         lines += _keys({"at": places[feature]}) if feature in places else []
-    lines += ["", "[impulse]", *_keys({"step": TIME_STEP, "steps": IMPULSE_STEPS})]
+    lines += ["", "[impulse]", *_keys({"step": TIME_STEP}), "", *FURTHER_TABLES]
     rest = [f for f in features if f not in given and f.kind != "curved"]
     if rest:
         lines += ["", comment("Further interfaces, to uncomment: each one costs time.")]
