@@ -155,16 +155,23 @@ def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inn
     dispatchers = {}
     for function in COMPILED_FUNCTIONS:
         if function in intrinsics:
-            typing.insert_global(function, typing.resolve_value_type(intrinsics[function]))
+            _make_known(typing, function, typing.resolve_value_type(intrinsics[function]))
             continue
         skipped = k and function in SKIPPED_WITH_DERIVATIVES
         compiled = _doing_nothing(function) if skipped else function
         dispatchers[function] = _Inner(compiled, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
         # By its dispatcher a function is known to the others before it is compiled itself.
-        typing.insert_global(function, types.Dispatcher(dispatchers[function]))
+        _make_known(typing, function, types.Dispatcher(dispatchers[function]))
     for entry in COMPILED_ENTRIES.values():
-        typing.insert_global(entry, types.Dispatcher(dispatchers[entry.function]))
+        _make_known(typing, entry, types.Dispatcher(dispatchers[entry.function]))
     return dispatchers
+
+
+def _make_known(typing: Any, function: Any, kind: Any) -> None:
+    """Let compiled code know a function, in place of what an earlier build of this process made."""
+    if typing._lookup_global(function) is not None:
+        typing._remove_global(function)
+    typing.insert_global(function, kind)
 
 
 def _doing_nothing(function: Callable[..., Any]) -> Callable[..., Any]:
