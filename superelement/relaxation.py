@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import nnls
 
 from ..files.arrays import Array
 
@@ -46,6 +45,9 @@ def fit(loss_factor: float, band: tuple[float, float]) -> Fit | None:
 
 def fitted(loss_factor: float, band: tuple[float, float], tau: Array) -> Fit:
     """The amplitudes of elements of given relaxation times."""
+    # Runs read superelements, and need no scipy for that.
+    from scipy.optimize import nnls
+
     decades = np.log10(band[1] / band[0])
     # Dense enough that no ripple of the loss hides between two frequencies.
     omega = 2.0 * np.pi * np.geomspace(*band, int(PER_DECADE * (1.0 + decades)))

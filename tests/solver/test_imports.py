@@ -51,7 +51,7 @@ def test_help_loads_no_numbers():
     found = loaded_by(code)
     assert not ALL_PACKAGES & found
     packages = {name.split(".")[1] for name in found if name.startswith("duhamel.")}
-    assert packages == {"cli"}
+    assert packages == {"cli", "files"}
 
 
 def test_the_command_knows_all_cad_files_without_what_reads_them():

@@ -190,7 +190,7 @@ def test_every_variable_of_the_file_and_its_units(results_file, model_file):
 def test_the_attributes_of_the_file(results_file):
     with h5py.File(results_file, "r") as file:
         assert file.attrs["format"] == "duhamel-results"
-        assert file.attrs["version"] == 11
+        assert file.attrs["version"] == 12
         assert file.attrs["Conventions"].startswith("CF-")
         assert file.attrs["created_by"].startswith("duhamel ")
         assert file.attrs["model"] == MODEL

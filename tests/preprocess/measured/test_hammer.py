@@ -200,7 +200,7 @@ def test_what_cannot_be_tested_is_refused(angle, tmp_path, monkeypatch):
     for arguments, said in (
         (
             ["beam.toml"],
-            "beam.toml: expected a mesh of solids, whose surface a hammer hits, found a mesh of",
+            "beam.toml: expected a mesh of solids, whose surface a hammer hits, found a mesh with",
         ),
         (
             ["undamped.toml", "--band", "20", "500"],
