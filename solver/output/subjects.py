@@ -92,13 +92,16 @@ class Subjects:
         """The bodies that roll without slip, and that another joint holds."""
         couplings, body = self.lowered.system.couplings, self.lowered.system.frames.body
         hard, rows = couplings.compliant == 0, couplings.rows
+        rolling = body[rows.frame_b[hard & (rows.kind == TOUCH)]]
+        # Most models have none, and `unique` loads masked arrays.
+        if not len(rolling):
+            return rolling
         ends = [
             np.stack([self.coupling[hard], body[f[hard]]], 1) for f in (rows.frame_a, rows.frame_b)
         ]
         bodies, joints = np.unique(
             np.unique(np.concatenate(ends), axis=0)[:, 1], return_counts=True
         )
-        rolling = body[rows.frame_b[hard & (rows.kind == TOUCH)]]
         return np.intersect1d(rolling, bodies[(joints > 1) & (bodies >= 0)])
 
     def of_interfaces(self, mask: Mask) -> list[str]:
