@@ -92,7 +92,7 @@ class Subjects:
         """The bodies that roll without slip, and that another joint holds."""
         couplings, body = self.lowered.system.couplings, self.lowered.system.frames.body
         hard, rows = couplings.compliant == 0, couplings.rows
-        rolling = body[rows.frame_b[hard & (rows.kind == TOUCH)]]
+        rolling: Index = body[rows.frame_b[hard & (rows.kind == TOUCH)]]
         # Most models have none, and `unique` loads masked arrays.
         if not len(rolling):
             return rolling
