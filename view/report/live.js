@@ -54,10 +54,6 @@
       this.numbers = 0;
       const parts = Object.values(scene.getWorld().ObjectsListJson);
       this.parts = parts.filter((part) => /^\d+$/.test(part.name)).sort((a, b) => a.name - b.name);
-      this.parts.forEach((part) => {
-        part.model_matrix = { timeSeries: true };
-        if (part.vertices) part.vertices = part.vertices.timeSeries ? { timeSeries: true } : part.vertices;
-      });
     }
 
     take(news) {
@@ -67,20 +63,27 @@
         const drawn = this.parts[i];
         for (const [key, packed] of [["model_matrix", part.matrices], ["vertices", part.vertices]]) {
           if (!packed) continue;
-          if (!drawn[key]?.timeSeries) drawn[key] = { timeSeries: true };
+          /* The scene comes with its own numbers of instants. */
+          if (from === 0 || !drawn[key]?.timeSeries) drawn[key] = { timeSeries: true };
           array(packed).forEach((value, k) => (drawn[key][from + k] = value));
           this.numbers += packed.shape.reduce((a, b) => a * b, 1);
         }
-        if (!part.matrices) drawn.model_matrix = { timeSeries: true, [from]: { data: new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), shape: [4, 4] } };
       });
       this.instants.push(...news.instants);
-      Object.assign(this.marks, { names: news.marks.names });
-      news.marks.times.forEach((t, i) => {
-        if (this.marks.times.length && t <= this.marks.times.at(-1)) return;
-        this.marks.times.push(t);
-        this.marks.places.push(news.marks.places[i]);
-      });
+      this.takeMarks(news.marks);
       this.forget();
+    }
+
+    /* Names that share a place at first share a label; where they part later, labels rest. */
+    takeMarks({ names, times, places }) {
+      if (!this.marks.times.length) this.marks.names = names;
+      if (names.join() !== this.marks.names.join()) return;
+      const last = this.marks.times.at(-1) ?? -Infinity;
+      times.forEach((t, i) => {
+        if (t <= last) return;
+        this.marks.times.push(t);
+        this.marks.places.push(places[i]);
+      });
     }
 
     forget() {
@@ -154,9 +157,8 @@
         place.append(figure);
       }
       figure.firstChild.textContent = plot.title;
-      const own = figure.lastChild.layout?.xaxis;
-      const shown = own && own.userZoomed ? own.range : range;
-      await Plotly.react(figure.lastChild, traces(plot), { ...layout(plot, shown), uirevision: "kept" }, OPTIONS);
+      /* The revision keeps what the user has zoomed. */
+      await Plotly.react(figure.lastChild, traces(plot), { ...layout(plot, range), uirevision: "kept" }, OPTIONS);
     }
   }
 
