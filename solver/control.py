@@ -18,8 +18,6 @@ class RunControl:
         self._going.set()
         self.place: Path | None = None
         """the file to which the run writes its rows, once it has begun one"""
-        self.total = 0
-        """the steps that the run takes, in the shorter of its sizes"""
 
     @property
     def held(self) -> bool:
@@ -37,14 +35,10 @@ class RunControl:
         self._stopped.set()
         self._going.set()
 
-    def begin(self, place: Path | None, total: int) -> None:
-        """Tell of a run that begins: its file and its number of steps."""
-        self.place, self.total = place, total
-
     def obey(self, before_waiting: Callable[[], object]) -> float:
         """Wait while the run is held, and return for how long [s]; `KeyboardInterrupt` to end it.
 
-        before_waiting: is called if there is time to be spent.
+        before_waiting: is called first where it is held.
         """
         waited = 0.0
         if self.held:

@@ -19,7 +19,7 @@ from ..results.results import Results
 from ..results.source import Writer
 from .arrays import Array, Index
 from .checkpoint.carried import FMUS_PREFIX, Arrays, carried, with_prefix
-from .control import RUN_CONTROL
+from .control import RUN_CONTROL, RunControl
 from .cosimulation.exchange import Exchange
 from .cosimulation.start import start_beside
 from .diagnosis import likely_cause
@@ -341,7 +341,8 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> float:
     # A batch begins small, and grows until the loop runs for BATCH_SECONDS.
     begin, done, batch = prepared.begin(), int(state.step[0]), 16 * lowered.ratio
     writer = prepared.writer
-    branches, monitor, control, waited = Branches(lowered), prepared.monitor, RUN_CONTROL.get(), 0.0
+    branches, monitor = Branches(lowered), prepared.monitor
+    control, waited = RUN_CONTROL.get() or RunControl(), 0.0
     convolution = DyadicConvolution(lowered.system.elastic)
     with (
         prepared.keeper() as keeper,
@@ -359,11 +360,9 @@ def integrate(prepared: PreparedRun, progress: bool = False) -> float:
         keeper.step_taken(done, recorder)
         # A file has checks from its first rows on; results in memory are read at the end alone.
         checked = -inf
-        if control is not None:
-            control.begin(writer.place if isinstance(writer, FileWriter) else None, total)
+        control.place = writer.place if isinstance(writer, FileWriter) else None
         while done < total:
-            if control is not None:
-                waited += control.obey(recorder.flush)
+            waited += control.obey(recorder.flush)
             started = time.perf_counter()
             n = keeper.steps_until_due(done, min(branches.most_steps(batch), total - done))
             stride, n = phases.begin(convolution.steps_until_due(done, n))

@@ -129,7 +129,7 @@ class Browser:
 
 @contextmanager
 def browser(*options: str) -> Iterator[Browser]:
-    """Chromium until the block ends, without any network."""
+    """Chromium until the block ends, without a network beyond this machine."""
     program = executable()
     assert program is not None
     to_child, from_child = os.pipe(), os.pipe()
