@@ -107,7 +107,7 @@ def _package_folder() -> Path:
 def _known_folders() -> Iterator[tuple[str, str]]:
     """Folders that say where a file is from, the longest first, and what stands for each."""
     folders = {
-        str(Path(metadata.__file__).parents[1]): "<python>",
+        str(Path(os.__file__).parent): "<python>",
         sys.prefix: "<environment>",
         str(Path.home()): USER_FOLDER_SIGN,
         tempfile.gettempdir(): USER_FOLDER_SIGN,

@@ -34,6 +34,7 @@ def sensitivity_rows(found: Sensitivities) -> list[list[str]]:
 def sensitivity_record(found: Sensitivities) -> dict[str, Any]:
     """The derivatives as other programs take them."""
     rows = [dict(zip(SENSITIVITY_COLUMNS, cells, strict=True)) for cells in _cells(found)]
+    rows = [{**row, "unit": found.units[str(row["output"])]} for row in rows]
     return {"sensitivities": rows, "notes": list(found.notes)}
 
 

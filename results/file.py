@@ -11,7 +11,6 @@ import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import metadata
-from itertools import repeat, starmap
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -464,7 +463,10 @@ def _read_contents(file: h5py.File) -> Contents:
         # Only files of runs with such bodies have it.
         varied = "superelement_variation" in file
         texts = _strings(file, "superelement_variation") if varied else [""] * len(paths)
-        files = starmap(SuperelementFile, zip(paths, digests, repeat(None), texts, strict=False))
+        files = (
+            SuperelementFile(path, digest, variation=text)
+            for path, digest, text in zip(paths, digests, texts, strict=True)
+        )
         superelements = dict(zip(bodies, files, strict=True))
     checks = axes.pop("check", Axis(())).names
     version = int(file.attrs["version"])

@@ -13,7 +13,6 @@ from ..arguments import FromTime, ResultsFile, time_or_worst
 from ..exports import (
     EXPORT_OPTIONS,
     EXPORTS,
-    LEFT_OUT,
     SUPERELEMENT_EXPORTS,
     Asked,
     described,
@@ -151,8 +150,14 @@ def _of_superelement(path: Path, folder: Path, to: str, modes: int | None) -> Se
             files.require_no_input(folder / f"{path.stem}{ending}", [path])
         written = chosen.write(e, folder, path.stem, modes)
     chain = None if e.modes is None else e.modes.chain
-    parts = zip(LEFT_OUT, (chain, e.rotation, e.channels, e.surfaces, e.recovery), strict=True)
-    left_out = [name for name, part in parts if part is not None and name not in chosen.keeps]
+    parts = {
+        "material damping": chain,
+        "[rotation]": e.rotation,
+        "loads and sensors": e.channels,
+        "[surfaces]": e.surfaces,
+        "[recovery]": e.recovery,
+    }
+    left_out = [n for n, part in parts.items() if part is not None and n not in chosen.keeps]
     if left_out:
         typer.echo(one_line(f"left out: {', '.join(left_out)}"))
     return written

@@ -7,12 +7,11 @@ from importlib import import_module
 from itertools import groupby
 from pkgutil import iter_modules
 
-from .export import EXPORT_OPTIONS, EXPORTS, LEFT_OUT, SUPERELEMENT_EXPORTS, Asked
+from .export import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked
 
 __all__ = [
     "EXPORTS",
     "EXPORT_OPTIONS",
-    "LEFT_OUT",
     "SUPERELEMENT_EXPORTS",
     "Asked",
     "described",
@@ -37,7 +36,6 @@ def described() -> str:
 
 def takers(option: str) -> str:
     """The formats that take an option of `EXPORT_OPTIONS`, as text."""
-    taken = {name: each.takes for name, each in EXPORTS.items()}
-    taken |= {name: each.takes for name, each in SUPERELEMENT_EXPORTS.items()}
-    *others, last = [name for name, options in taken.items() if option in options]
+    formats = (*EXPORTS.values(), *SUPERELEMENT_EXPORTS.values())
+    *others, last = [each.name for each in formats if option in each.takes]
     return f"{', '.join(others)} or {last}" if others else last

@@ -75,15 +75,14 @@ def export_format(
 
 
 WriteSuperelement = Callable[["Superelement", Path, str, int | None], Sequence[Path]]
-LEFT_OUT = ("material damping", "[rotation]", "loads and sensors", "[surfaces]", "[recovery]")
-"""what a superelement may have and a format has not, as messages name it"""
 
 
 @dataclass(frozen=True)
 class SuperelementFormat:
     """A format of superelements, not of results.
 
-    endings: of the names of its files, behind the stem; keeps: what of `LEFT_OUT` it has; write:
+    endings: of the names of its files, behind the stem; keeps: what it has of the parts that
+    others leave out, as the command names them; write:
     takes a superelement, a folder, a stem of names, and the number of --modes; the others are those
     of `ExportFormat`.
     """

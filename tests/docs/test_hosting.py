@@ -68,6 +68,7 @@ def test_templates_of_issues_have_fields_with_different_names(path):
 
 def test_versions_of_files_on_the_page_of_compatibility_are_those_that_are_written():
     from duhamel.cli.call import RECORD_VERSION
+    from duhamel.cli.installation import REPORT_VERSION
     from duhamel.results.contents import EARLIEST_VERSION, RESULTS_VERSION
     from duhamel.solver.checkpoint.file import STATE_VERSION
     from duhamel.superelement.file import SUPERELEMENT_VERSION
@@ -78,3 +79,4 @@ def test_versions_of_files_on_the_page_of_compatibility_are_those_that_are_writt
     assert f"| results (netCDF-4) | {versions} |" in text
     assert re.search(rf"\| state of a run.* \| {STATE_VERSION} \|", text)
     assert f"| record in JSON | {RECORD_VERSION} |" in text
+    assert f"| bug report | {REPORT_VERSION} |" in text

@@ -6,7 +6,6 @@ import sys
 from importlib import import_module
 
 import pytest
-from duhamel.cad import reading
 from import_order import ROOT
 
 LAZY_PACKAGES = "results", "solver", "superelement"
@@ -52,10 +51,6 @@ def test_help_loads_no_numbers():
     assert not ALL_PACKAGES & found
     packages = {name.split(".")[1] for name in found if name.startswith("duhamel.")}
     assert packages == {"cli", "files"}
-
-
-def test_the_command_knows_all_cad_files_without_what_reads_them():
-    assert import_module("duhamel.cli.commands.import_").CAD_SUFFIXES == reading.CAD_SUFFIXES
 
 
 @pytest.mark.parametrize("package", LAZY_PACKAGES)
