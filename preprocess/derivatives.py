@@ -7,9 +7,9 @@ are of sixth order, and matrices are polynomials or nearly so. Modes are held. S
 docs/theory.md, Design parameters of superelements.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -112,14 +112,15 @@ class _Family:
             raise MeshError(f"expected {self.n_u} unknowns beside its value, found {made.n_u}")
         return made
 
-    def samples(self) -> Iterator[tuple[float, Structure]]:
-        """Structures, and their weights in the derivative by the parameter."""
+    def samples(self) -> Iterator[tuple[float, float, Structure]]:
+        """Changes of the parameter, the weights in the derivative, and the structures there."""
         squares = RELATIVE_STEPS**2
         for i, step in enumerate(RELATIVE_STEPS):
             others = np.delete(squares, i)
             weight = np.prod(others / (others - squares[i])) / (2.0 * step * self.scale)
             for side in (1.0, -1.0):
-                yield side * float(weight), self.at(self.value + side * step * self.scale)
+                dp = side * float(step) * self.scale
+                yield dp, side * float(weight), self.at(self.value + dp)
 
 
 def _morph(body: Body, mesh: Mesh | None, derivative: Derivative) -> Array | None:
@@ -144,12 +145,15 @@ def _tangent(
     both = np.hstack([Phi, static])
     zero: Any = 0.0
     K, M, rows, mass, J, center, X = [zero] * 7
-    for weight, one in family.samples():
+    widest: dict[float, _Figures] = {}
+    for dp, weight, one in family.samples():
         K, M = K + weight * one.K, M + weight * one.M
         rows = rows + weight * (one.loads.T @ both)
         mass = mass + weight * one.rigid.mass
         J, center = J + weight * one.rigid.J_rot, center + weight * one.rigid.center
         X = X + weight * _positions(one)
+        if len(widest) < 2:
+            widest[dp] = _Figures.of(one)
     phi, work = rows[:, :m], rows[:, m:]
     H = structure.P_C @ static
     by_statics = _symmetric(work + work.T - static.T @ (K @ static))
@@ -168,32 +172,44 @@ def _tangent(
     )
     eta = modes.phi / modes.omega**2
     by_modes = _symmetric(phi @ eta.T + eta @ phi.T - eta @ found.K @ eta.T)
-    reach = _reach(family, found, structure, H)
+    here = _Figures(H, structure.rigid.mass, structure.rigid.J_rot, _positions(structure))
+    reach = _reach(found, here, widest)
     error = reach * deviation(by_modes, by_statics, np.sqrt(H.diagonal()))
     return replace(found, reach=reach, error=error)
 
 
-def _reach(family: _Family, tangent: DesignDerivative, structure: Structure, H: Array) -> float:
-    """The change up to which the first order is right to `TOLERATED_ERROR`, up to `MAX_REACH`.
+class _Figures(NamedTuple):
+    """What is to be right of a body in first order."""
 
-    By the bodies at the widest step, on both sides: its error grows with the square of the change.
+    compliance: Array
+    mass: float
+    J_rot: Array
+    X: Array
+
+    @classmethod
+    def of(cls, one: Structure) -> "_Figures":
+        return cls(compliance(one), one.rigid.mass, one.rigid.J_rot, _positions(one))
+
+
+def _reach(tangent: DesignDerivative, here: _Figures, widest: Mapping[float, _Figures]) -> float:
+    """The change up to which the first order is right to `TOLERATED_ERROR`, but no more than now.
+
+    By the bodies at the widest changes: its error grows with the square of the change.
     """
-    step, rigid = float(RELATIVE_STEPS[0]) * family.scale, structure.rigid
+    scales = np.sqrt(here.compliance.diagonal())
+    # Not by the positions themselves: the only interface may be at the center.
+    size = np.sqrt(np.trace(here.J_rot) / here.mass)
     errors = []
-    for dp in (step, -step):
-        one = family.at(family.value + dp)
+    for dp, one in widest.items():
+        J_rot, X = here.J_rot + dp * tangent.J_rot, here.X + dp * tangent.X
         errors += [
-            deviation(compliance(one), H + dp * tangent.compliance, np.sqrt(H.diagonal())),
-            abs(one.rigid.mass / (rigid.mass + dp * tangent.mass) - 1.0),
-            _relative(one.rigid.J_rot, rigid.J_rot + dp * tangent.J_rot),
-            _relative(_positions(one), _positions(structure) + dp * tangent.X),
+            deviation(one.compliance, here.compliance + dp * tangent.compliance, scales),
+            abs(one.mass / (here.mass + dp * tangent.mass) - 1.0),
+            float(np.abs(one.J_rot - J_rot).max() / np.abs(J_rot).max()),
+            float(np.abs(one.X - X).max()) / size,
         ]
     wide = np.sqrt(TOLERATED_ERROR / max(errors)) if max(errors) > 0.0 else np.inf
-    return float(min(wide * step, MAX_REACH * family.scale))
-
-
-def _relative(found: Array, expected: Array) -> float:
-    return float(np.abs(found - expected).max() / np.abs(expected).max())
+    return float(min(wide * max(widest), tangent.reach))
 
 
 def _positions(structure: Structure) -> Array:

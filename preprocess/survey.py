@@ -32,7 +32,7 @@ from .responses.shifts import shifts
 from .solving.cost import Cost, krylov_cost, surface_cost
 from .solving.solver import costs
 from .sources.lines import LineSource
-from .sources.reading import read_mesh_source, source_of
+from .sources.reading import mesh_as_read, read_mesh_source, source_of
 
 N_SURVEYED_FREQUENCIES = 10
 
@@ -157,7 +157,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
             source, test = read_mesh_source(body), read_test(body)
             if test is not None:
                 body = with_test(body, test, source)
-                source = source_of(source.mesh, body)
+                source = source_of(mesh_as_read(source), body)
         with stages.stage("assembly"):
             structure = assemble_on(body, source)
         with stages.stage("frequencies"):

@@ -216,6 +216,11 @@ class Body(NamedBody):
         whole = self.given("shell")
         return whole | {f"shells.{name}": part for name, part in self.shells.items()}
 
+    @property
+    def ply_materials(self) -> set[str | None]:
+        """Materials that shells have, by their names."""
+        return {ply.material for shell in self.shells_by_key.values() for ply in shell.layers}
+
     @rule
     def _of_shells(self) -> None:
         check_shells(self)
@@ -401,7 +406,9 @@ class Body(NamedBody):
 
     @property
     def digests(self) -> str:
-        """Digests of its mesh or matrices and of its test, by which a superelement knows them."""
+        """Digests of its mesh or matrices, its test and the meshes of its derivatives, by which a
+        superelement knows them.
+        """
         test = () if self.measured is None else self.measured.files
         mesh = [self.mesh.sha256] if isinstance(self.mesh, Mesh) else map(sha256, self.files)
         morphed = (one.mesh for one in self.derivatives.values() if one.mesh is not None)

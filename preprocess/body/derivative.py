@@ -22,7 +22,7 @@ class Derivative(Table):
     key: of a number of a section, material, shell or mass in this file, which is the parameter;
     powers: several such keys, that grow as these powers of the parameter, which is 1 here; mesh:
     another mesh with the same cells and other points, toward which the points move as the parameter
-    grows from 0 to 1.
+    grows from 0; it would be 1 there.
     """
 
     key: str | None = None

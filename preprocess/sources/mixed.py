@@ -76,9 +76,8 @@ class MixedSource:
             for name, material in body.materials.items()
             if name in self.mesh.groups and len(self.parts.solids.members(name))
         }
-        used = {ply.material for shell in body.shells.values() for ply in shell.layers}
         for name in body.materials:
-            if name not in own and name not in used:
+            if name not in own and name not in body.ply_materials:
                 raise BodyError(
                     f"materials.{name}: expected a group of solids, or a shell of it, found none"
                 )

@@ -1,6 +1,7 @@
 """The choice of the source that a body file names."""
 
 from pathlib import Path
+from typing import cast
 
 from ...cad import is_cad
 from ..assembly.source import MeshSource, Source
@@ -71,13 +72,13 @@ def files_of(body: AnyBody) -> tuple[Path, ...]:
     """
     if isinstance(body, MeasuredBody):
         return body.files
-    measured = () if body.measured is None else body.measured.files
-    if isinstance(body.mesh, Path):
-        return (*mesh_files(body.mesh), *measured)
+    meshes = [body.mesh, *(one.mesh for one in body.derivatives.values())]
+    files = [file for mesh in meshes if isinstance(mesh, Path) for file in mesh_files(mesh)]
+    files += () if body.measured is None else body.measured.files
     if body.matrices is None:
-        return measured
+        return tuple(files)
     of_nodes = mesh_files(body.matrices.nodes) if body.matrices.nodes.is_file() else []
-    return (*body.files, *of_nodes, *measured)
+    return (*body.files, *of_nodes, *files)
 
 
 def mesh_of_body(body: Body, given: Path | Mesh) -> Mesh:
@@ -105,10 +106,14 @@ def with_body(source: Source, body: Body) -> Source:
     """A source for other materials, loads or sensors, on the mesh that it has."""
     if body.matrices is not None:
         return read_source(body)
-    # The mesh of solids and shells together no longer tells these apart.
-    mesh = getattr(source, "given", getattr(source, "mesh", None))
-    assert isinstance(mesh, Mesh)
-    return source_of(mesh, relaxed(body))
+    return source_of(mesh_as_read(cast(MeshSource, source)), relaxed(body))
+
+
+def mesh_as_read(source: MeshSource) -> Mesh:
+    """The mesh that a source was made of; the one of solids and shells tells them not apart."""
+    from .mixed import MixedSource
+
+    return source.given if isinstance(source, MixedSource) else source.mesh
 
 
 def source_of(mesh: Mesh, body: Body) -> MeshSource:
@@ -134,8 +139,7 @@ def source_of(mesh: Mesh, body: Body) -> MeshSource:
 
 def _check_used(body: Body) -> None:
     """`BodyError` for a material that no shell has."""
-    used = {ply.material for shell in body.shells_by_key.values() for ply in shell.layers}
-    if unused := [name for name in body.materials if name not in used]:
+    if unused := [name for name in body.materials if name not in body.ply_materials]:
         raise BodyError(f"materials.{unused[0]}: expected a shell of it, found none")
 
 

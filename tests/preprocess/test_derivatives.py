@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import skfem
 from duhamel.cli import app
-from duhamel.preprocess import BodyError, PlausibilityWarning, build, read_body
+from duhamel.preprocess import BodyError, PlausibilityWarning, build, files_of, read_body
 from duhamel.preprocess.body.derivative import with_numbers
 from duhamel.superelement import (
     GeneralizedAlpha,
@@ -282,6 +282,29 @@ def test_the_reach_ends_where_the_first_order_errs_by_a_hundredth():
     first_order = element.compliance + tangent.reach * tangent.compliance
     scale = np.sqrt(element.compliance.diagonal())
     assert 0.003 < (np.abs(exact - first_order) / np.outer(scale, scale)).max() < 0.03
+
+
+def test_the_reach_is_no_rounding_of_an_interface_at_the_center():
+    """Which stands at 1e-17 from it, and moves as little."""
+    steel = du.Material(E=2e11, nu=0.3, rho=7800.0)
+    section = du.Section.rectangle(steel, 0.02, 0.01, orientation=(0.0, 1.0, 0.0))
+    part = du.Beam(np.linspace([0.0] * 3, [0.77, 0.0, 0.0], 11), section=section, name="hub")
+    part.interface("middle", (0.385, 0.0, 0.0))
+    part.derivative("bending", key="section.EI_z")
+    tangent = element_of(part).derivatives["bending"]
+    assert 0.09 * tangent.value < tangent.reach <= 0.1 * tangent.value
+
+
+def test_files_of_a_body_are_those_of_its_derivatives_too(tmp_path):
+    meshio.Mesh(block().p.T, [("hexahedron", block().t.T)]).write(tmp_path / "bar.msh")
+    (tmp_path / "bar.toml").write_text(
+        'mesh = "bar.msh"\nmaterial = {E = 2e11, nu = 0.3, rho = 7800}\n'
+        "interfaces.root.plane = {point = [0, 0, 0], normal = [1, 0, 0]}\nimpulse.step = 1e-5\n"
+        'derivatives.p.mesh = "other.msh"\n'
+    )
+    (tmp_path / "other.msh").write_bytes((tmp_path / "bar.msh").read_bytes())
+    names = [path.name for path in files_of(read_body(tmp_path / "bar.toml"))]
+    assert names == ["bar.msh", "other.msh"]
 
 
 def test_derivatives_are_written_and_read(tmp_path):

@@ -3,7 +3,7 @@
 import duhamel as du
 import numpy as np
 import pytest
-from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of
+from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of, survey
 from duhamel.preprocess.assembly.losses import lossy_parts
 from duhamel.preprocess.body.measured import Measured
 from duhamel.preprocess.body.sensors import SensorPoint
@@ -378,7 +378,9 @@ def test_a_superelement_of_both_takes_frequencies_of_a_modal_test(tmp_path):
     test = Measured(
         modes=tmp_path / "modes.csv", channels=tmp_path / "channels.csv", update="frequencies"
     )
-    element = build(tables(interfaces=tip, impulse=modal, measured=test).body)
+    body = tables(interfaces=tip, impulse=modal, measured=test).body
+    np.testing.assert_allclose(survey(body).measured, 1.05 * omega / (2 * np.pi), rtol=1e-9)
+    element = build(body)
     assert element.measured.matched.all()
     np.testing.assert_allclose(np.sort(element.modes.omega)[:3], 1.05 * omega, rtol=1e-9)
 
