@@ -20,7 +20,7 @@ class Feature:
 
     number: its own, from 1; center [m]: of a cylinder on its axis, half-way; near [m]: a point that
     picks it; axis: that of a cylinder, or the outward normal of a plane, a unit vector, zero of
-    others; radius and length [m]: of cylinders around more than a quarter turn, which fillets have
+    others; radius and length [m]: of cylinders around more than 0.3 of a turn, which fillets have
     not, else zero; area [m^2]; faces: their numbers in the CAD file.
     """
 

@@ -85,8 +85,15 @@ def mesh_solid(
     features = tuple(map(Feature.of, answer["features"]))
     groups = {group: features[number - 1] for group, number in answer["groups"].items()}
     quality = Quality(**answer["quality"])
-    solid_as_given = answer["solid"], answer["volume"]
-    return CadGeometry(*solid_as_given, features, groups, quality, answer["gmsh"]), in_file
+    made = CadGeometry(
+        solid=answer["solid"],
+        volume=answer["volume"],
+        features=features,
+        groups=groups,
+        quality=quality,
+        gmsh=answer["gmsh"],
+    )
+    return made, in_file
 
 
 def _unit(path: Path, unit: float | None) -> float:

@@ -15,7 +15,7 @@ GRID_SIDES = (5, 17)
 EDGE_POINTS = 33
 FULL_GAP = 0.99 * np.pi
 """Angle that a hole may be open by: just less than half a turn, which the ends of slots have."""
-LARGEST_FILLET_GAP = 1.4 * np.pi
+MAX_GAP_OF_CYLINDERS = 1.4 * np.pi
 """Angle that a cylinder may be open by: fillets, of a quarter turn at most, leave 1.5 pi."""
 PROBE_STEPS = (1e-3, 1e-4, 1e-5)
 """Steps off a face, over the root of its area, that tell inside from outside."""
@@ -140,7 +140,7 @@ def _feature(faces: list[_Face], size: float) -> Feature:
         gap = largest_gap(rim, surface)
         if gap < FULL_GAP:
             kind = "hole" if surface.radius < 0.0 else "shaft"
-        if gap < LARGEST_FILLET_GAP:
+        if gap < MAX_GAP_OF_CYLINDERS:
             along = (rim - surface.point) @ surface.axis
             center = surface.point + 0.5 * float(along.min() + along.max()) * surface.axis
             axis, radius, length = surface.axis, abs(surface.radius), float(np.ptp(along))

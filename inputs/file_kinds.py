@@ -25,7 +25,7 @@ BODY_FILE = TomlKind(
 STUDY_FILE = TomlKind(
     "a study file",
     frozenset({"model", "body", "outputs", "parameters"}),
-    "duhamel sweep runs it",
+    "duhamel sweep, fit or optimize takes it",
 )
 FILE_KINDS = (MODEL_FILE, BODY_FILE, STUDY_FILE)
 # The first bytes of files that are no text, or none in TOML.

@@ -16,7 +16,7 @@ from duhamel.preprocess.body.body import PointMass
 from duhamel.preprocess.body.cad import FaceSize
 from duhamel.preprocess.body.damping import Damping
 from duhamel.preprocess.body.derivative import Derivative
-from duhamel.preprocess.body.impulse import DEFAULT_STEPS, Method, SolverName
+from duhamel.preprocess.body.impulse import Method, SolverName
 from duhamel.preprocess.body.loads import LoadPattern
 from duhamel.preprocess.body.material import Material, Section
 from duhamel.preprocess.body.selection import InterfaceSelection, Selection, SurfaceSelection
@@ -487,8 +487,8 @@ class Part:
                 f"part {self.name!r}: unknown keyword {unknown[0]!r}; known are {', '.join(known)}"
             )
         asked: dict[str, Any] = {"step": step, **impulse}
-        if step is not None:
-            asked["steps"] = DEFAULT_STEPS if duration is None else _steps(duration, step)
+        if step is not None and duration is not None:
+            asked["steps"] = _steps(duration, step)
         table, read = dict(self._table), self._table.get("impulse")
         before = {} if read is None else read.model_dump(exclude_unset=True)
         table["impulse"] = before | {

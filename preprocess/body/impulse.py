@@ -50,7 +50,9 @@ class Impulse(Table):
     @rule
     def _steps_of_marched(self) -> None:
         if self.method == "march" and "steps" not in self.model_fields_set:
-            raise ValueError("steps: needed with method march, whose responses end there")
+            raise ValueError(
+                "steps: needed with method march, whose responses end there; in Python the duration"
+            )
 
     @rule
     def _below_nyquist(self) -> None:

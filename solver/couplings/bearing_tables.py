@@ -94,6 +94,12 @@ def _check_missing(path: str, columns: Mapping[str, Array]) -> None:
     missing = [name for name in needed if name not in columns]
     if not any(name in columns for name in (*SPEED_COLUMNS, "sommerfeld")):
         missing.insert(0, "speed (or sommerfeld)")
+    named = [name for name in (*SPEED_COLUMNS, "sommerfeld") if name in columns]
+    if len(named) > 1:
+        raise ModelError(
+            f"file: {path}: expected one of speed, frequency and sommerfeld, found "
+            f"{' and '.join(named)}"
+        )
     if missing:
         there_are = ", ".join(columns) or "none of these"
         raise ModelError(
@@ -114,9 +120,6 @@ def _check_dimensionless(
             f"file: {path}: column sommerfeld: expected film = {{{', '.join(FILM_KEYS)}}} of "
             "the bearing, which makes coefficients of dimensionless ones"
         )
-    for name in SPEED_COLUMNS:
-        if name in columns:
-            raise ModelError(f"file: {path}: expected a column sommerfeld or {name}, found both")
     for k, number in enumerate(columns["sommerfeld"].tolist()):
         if not number > 0.0:
             raise ModelError(

@@ -319,15 +319,17 @@ def rotor_axes(model: Model) -> RotorAxes:
 def _axes_of_bearings(model: Model) -> RotorAxes | None:
     """Those of the first bearing to a frame of the ground, or else to one of a body, as placed."""
     # A frame of the ground is where it is; bodies may be moved to close their joints.
-    order = sorted(model.bearings, key=_support_moves)
-    if not order:
+    bearing = min(model.bearings, key=_is_off_the_ground, default=None)
+    if bearing is None:
         return None
-    bearing, poses = order[0], place_bodies(model)
+    support, shaft = bearing.between
     # The bare ground has no place: there the bearing is where the shaft is.
-    support = frame_pose(model, poses, bearing.between[bearing.between[0] == GROUND])
-    first = bearing.basis(np.eye(3) if bearing.between[0] == GROUND else support.R)[:, 0]
-    return RotorAxes(np.array(bearing.axis), support.x, first)
+    is_bare = support == GROUND
+    pose = frame_pose(model, place_bodies(model), shaft if is_bare else support)
+    first = bearing.basis(np.eye(3) if is_bare else pose.R)[:, 0]
+    return RotorAxes(np.array(bearing.axis), pose.x, first)
 
 
-def _support_moves(bearing: Bearing) -> bool:
+def _is_off_the_ground(bearing: Bearing) -> bool:
+    """Whether it stands on no frame of the ground."""
     return not bearing.between[0].startswith(f"{GROUND}.")

@@ -158,7 +158,7 @@ def add_coupling_scales(system: System, state: State, work: Workspace) -> None:
 
 
 @compiled
-def _steps(work: Workspace) -> bool:
+def _time_passes(work: Workspace) -> bool:
     """Whether time passes: not at the start, nor in the search for an equilibrium."""
     elapsed: float = work.couplings.elapsed[0]
     return 0.0 < elapsed < math.inf
@@ -173,7 +173,7 @@ def _set_constraint_residual(couplings: Couplings, i: int, work: Workspace) -> N
     out.phi[i] = out.coordinate[i]
     if slips(couplings.rows.kind[i]):
         # At rest nothing slips, whatever the pose.
-        out.phi[i] = out.elapsed[0] * out.rate[i] if _steps(work) else 0.0
+        out.phi[i] = out.elapsed[0] * out.rate[i] if _time_passes(work) else 0.0
     d = couplings.drive[i]
     if d < 0:
         return
@@ -309,7 +309,7 @@ def _set_residual_derivative(
     derivatives, laws = work.couplings, couplings.laws
     out = derivatives.A[i]
     if not couplings.compliant[i]:
-        rolls = slips(couplings.rows.kind[i]) and _steps(work)
+        rolls = slips(couplings.rows.kind[i]) and _time_passes(work)
         for z in range(24):
             out[z] = h * derivatives.B_rate[i, z] if rolls else derivatives.B[i, z]
         return

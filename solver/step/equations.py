@@ -82,7 +82,7 @@ def evaluate(system: System, state: State, work: Workspace) -> None:
 def linearize(system: System, state: State, work: Workspace) -> None:
     """B and A of all rows, and K alone in the matrix, at the state of the last `evaluate`."""
     frames, pattern = system.frames, system.pattern
-    # Force laws and drag alone depend on velocities.
+    # Force laws, forbidden slip and drag alone depend on velocities.
     if system.couplings.n_by_rate or system.loads.n_by_velocity:
         map_frame_velocities(frames, system.scheme.gamma_prime, state, work)
     work.matrix.S[:] = 0.0

@@ -235,7 +235,7 @@ def dimensionless(suffix, numbers, more=()):
     [
         (([0.0, 0.5],), "sommerfeld: row 1 of the table: expected a number above 0, found 0"),
         (([0.5, -1.0],), "row 2 of the table: expected a number above 0, found -1"),
-        (([0.1, 0.5], {"speed": [10.0, 20.0]}), "a column sommerfeld or speed, found both"),
+        (([0.1, 0.5], {"speed": [10.0, 20.0]}), "one of speed, frequency and sommerfeld, found"),
         (([0.5],), "expected two or more speeds, found 1"),
         (([3.0, 2.0, 2.5, 1.0],), "row 3 of the table: expected speeds that decrease, found"),
         (([1.0, 3.0, 2.0, 4.0],), "row 3 of the table: expected speeds that increase, found"),
