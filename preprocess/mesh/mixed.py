@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...superelement.validation import Array
 from ..errors import MeshError
+from .cells import CELL_DIMENSIONS
 from .divided import divided
 from .facets import Facets, facets_of
 from .mesh import NO_NODES, Group, IntArray, Mesh
@@ -97,7 +98,7 @@ def _whole(mesh: Mesh, surface: Mesh) -> Mesh:
     others = {
         kind: np.arange(len(cells))
         for kind, cells in mesh.cells.items()
-        if kind in (*mesh.body_types, "vertex", "line", "line3")
+        if kind in mesh.body_types or CELL_DIMENSIONS.get(kind, 3) < 2
     }
     rest = replace(mesh, shells={}).only(others)
     groups = {

@@ -46,12 +46,6 @@ def _radius(rows: Rows, i: int) -> float:
 
 
 @compiled
-def _normal_and_axle(rows: Rows, i: int, work: Workspace) -> tuple[Vector, Vector]:
-    n = rotate(work.frames.D, rows.frame_a[i], row(rows.a, i))
-    return n, rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
-
-
-@compiled
 def _inverse_tilt(w: Vector) -> float:
     """1 / q; 0 for a disc that lies flat, whose rim touches everywhere."""
     square = dot(w, w)
@@ -67,13 +61,23 @@ def _direction(n: Vector, b: Vector, inverse: float, which: int) -> Vector:
 
 
 @compiled
-def _set_gradient(rows: Rows, i: int, which: int, work: Workspace, gradient: Array) -> float:
-    """The gradient of a row; returns n . Delta - R q."""
-    n, b = _normal_and_axle(rows, i, work)
-    delta, R = delta_of(rows, i, work), _radius(rows, i)
+def _touching(
+    rows: Rows, i: int, which: int, work: Workspace
+) -> tuple[Vector, Vector, Vector, float, Vector, Vector]:
+    """n, b, w, 1 / q, e and l of a row."""
+    n = rotate(work.frames.D, rows.frame_a[i], row(rows.a, i))
+    b = rotate(work.frames.D, rows.frame_b[i], row(rows.b, i))
     w = subtract(n, scale(dot(n, b), b))
     inverse = _inverse_tilt(w)
-    e, l_B = _direction(n, b, inverse, which), scale(-R * inverse, w)
+    l_B = scale(-_radius(rows, i) * inverse, w)
+    return n, b, w, inverse, _direction(n, b, inverse, which), l_B
+
+
+@compiled
+def _set_gradient(rows: Rows, i: int, which: int, work: Workspace, gradient: Array) -> float:
+    """The gradient of a row; returns n . Delta - R q."""
+    n, _, _, _, e, l_B = _touching(rows, i, which, work)
+    delta = delta_of(rows, i, work)
     by_A, by_B = cross(add(delta, l_B), e), cross(l_B, e)
     for k in range(3):
         gradient[k] = -e[k]
@@ -87,13 +91,9 @@ def _set_gradient(rows: Rows, i: int, which: int, work: Workspace, gradient: Arr
 def _add_gradient_tangent(
     rows: Rows, i: int, which: int, factor: float, work: Workspace, H: Array
 ) -> None:
-    n, b = _normal_and_axle(rows, i, work)
-    delta, R = delta_of(rows, i, work), _radius(rows, i)
-    s = dot(n, b)
-    w = subtract(n, scale(s, b))
-    inverse = _inverse_tilt(w)
-    e, l_B = _direction(n, b, inverse, which), scale(-R * inverse, w)
-    l_A, t = add(delta, l_B), scale(inverse, cross(b, n))
+    n, b, w, inverse, e, l_B = _touching(rows, i, which, work)
+    R, s = _radius(rows, i), dot(n, b)
+    l_A, t = add(delta_of(rows, i, work), l_B), scale(inverse, cross(b, n))
     for j in range(12):
         unit = UNIT_AXES[j % 3]
         d_delta, dn, db = ZERO_VECTOR, ZERO_VECTOR, ZERO_VECTOR
