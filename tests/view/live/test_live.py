@@ -20,7 +20,7 @@ from duhamel.results import RecoveryError, Results
 from duhamel.results.excerpt import Excerpt
 from duhamel.results.file import FileSource
 from duhamel.view.curve import Curve
-from duhamel.view.live import server
+from duhamel.view.live import watched_run
 from duhamel.view.live.follower import RunFollower, plots_and_validity, told
 from duhamel.view.live.server import watched
 from duhamel.view.report.plots import Plot, drawing
@@ -174,7 +174,7 @@ def test_a_question_that_fails_lets_the_run_end(served, monkeypatch):
     monkeypatch.setattr(watch, "_motion", fails)
     with pytest.raises(ZeroDivisionError):
         watch.news(0)
-    monkeypatch.setattr(server, "SECONDS_UNSEEN", 0.0)
+    monkeypatch.setattr(watched_run, "SECONDS_UNSEEN", 0.0)
     started = time.monotonic()
     watch.wait_until_closed(60.0)
     assert time.monotonic() - started < 30.0
