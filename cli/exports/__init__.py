@@ -36,6 +36,6 @@ def described() -> str:
 
 def takers(option: str) -> str:
     """The formats that take an option of `EXPORT_OPTIONS`, as text."""
-    formats = (*EXPORTS.values(), *SUPERELEMENT_EXPORTS.values())
+    formats = [*EXPORTS.values(), *SUPERELEMENT_EXPORTS.values()]
     *others, last = [each.name for each in formats if option in each.takes]
     return f"{', '.join(others)} or {last}" if others else last

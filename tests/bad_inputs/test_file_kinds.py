@@ -15,7 +15,7 @@ READERS = {
 }
 
 
-@pytest.mark.parametrize(("wanted", "given"), permutations(READERS, 2))
+@pytest.mark.parametrize(("wanted", "given"), list(permutations(READERS, 2)))
 def test_a_file_of_another_kind_is_named_with_the_command_that_takes_it(tmp_path, wanted, given):
     path = tmp_path / "given.toml"
     path.write_text(READERS[given][3])
