@@ -11,7 +11,7 @@ STUDY = 'model = "m.toml"\n[outputs]\ntop = "max |angle:hub:z|"\n'
 READERS = {
     "a model file": (solver.read_model, solver.ModelError, "duhamel run", MODEL),
     "a body file": (preprocess.read_body, preprocess.BodyError, "duhamel preprocess", BODY),
-    "a study file": (study.read_study, study.StudyError, "duhamel sweep", STUDY),
+    "a study file": (study.read_study, study.StudyError, "duhamel sweep, fit or optimize", STUDY),
 }
 
 

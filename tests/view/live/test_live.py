@@ -24,10 +24,13 @@ from duhamel.view.live import watched_run
 from duhamel.view.live.follower import RunFollower, plots_and_validity, told
 from duhamel.view.live.server import watched
 from duhamel.view.report.plots import Plot, drawing
+from scipy.spatial.transform import Rotation
 
 from ..report.conftest import EVIL, MODEL
 
 ROOT = Path(__file__).parents[3]
+LENGTH = 0.5
+"""of the beam [m]"""
 
 
 @pytest.fixture(scope="module")
@@ -118,9 +121,18 @@ def test_the_page_is_told_where_the_bodies_are(folder, results):
     places, points = unpacked(beam["matrices"]), unpacked(beam["vertices"])
     seen = places[:, None, :3, :3] @ points[..., None]
     seen = seen[..., 0] + places[:, None, :3, 3]
-    tip = results.frame("beam.tip").position[at]
-    # The section of the beam is 1 cm wide; what is enlarged of the deflection is less.
-    assert np.linalg.norm(seen - tip[:, None], axis=2).min(axis=1).max() < 0.02
+    # Deformations are drawn enlarged, seen from the root.
+    tip, root, turned = (
+        results.frame("beam.tip"),
+        results.frame("beam.root"),
+        results.body("beam").R,
+    )
+    bent = tip.u[:, :3] - root.u[:, :3] - np.cross(root.u[:, 3:], [LENGTH, 0.0, 0.0])
+    enlarged = Rotation.from_quat(np.roll(turned, -1, axis=1)).apply(bent)
+    drawn = (tip.position + (news["magnification"] - 1.0) * enlarged)[at]
+    assert np.linalg.norm(drawn - tip.position[at], axis=1).max() > 0.02
+    # The outline of the section, 1 cm wide, is drawn about it.
+    assert np.allclose(np.linalg.norm(seen - drawn[:, None], axis=2).min(axis=1), 0.005, atol=1e-4)
     assert follower.motion(folder / "short.h5", 1001) is None
 
 
