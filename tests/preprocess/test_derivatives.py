@@ -1,6 +1,7 @@
 """Superelements by coupled tangents of their modes, beside rebuilds at other parameters."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import duhamel as du
 import h5py
@@ -296,15 +297,13 @@ def test_the_reach_is_no_rounding_of_an_interface_at_the_center():
 
 
 def test_files_of_a_body_are_those_of_its_derivatives_too(tmp_path):
-    meshio.Mesh(block().p.T, [("hexahedron", block().t.T)]).write(tmp_path / "bar.msh")
-    (tmp_path / "bar.toml").write_text(
-        'mesh = "bar.msh"\nmaterial = {E = 2e11, nu = 0.3, rho = 7800}\n'
-        "interfaces.root.plane = {point = [0, 0, 0], normal = [1, 0, 0]}\nimpulse.step = 1e-5\n"
-        'derivatives.p.mesh = "other.msh"\n'
-    )
-    (tmp_path / "other.msh").write_bytes((tmp_path / "bar.msh").read_bytes())
+    source = Path(__file__).parents[2] / "meshes/bar"
+    for name in ("solid.msh", "other.msh"):
+        (tmp_path / name).write_bytes((source / "solid.msh").read_bytes())
+    text = (source / "solid.toml").read_text()
+    (tmp_path / "bar.toml").write_text(f'{text}\n[derivatives.p]\nmesh = "other.msh"\n')
     names = [path.name for path in files_of(read_body(tmp_path / "bar.toml"))]
-    assert names == ["bar.msh", "other.msh"]
+    assert names == ["solid.msh", "other.msh"]
 
 
 def test_derivatives_are_written_and_read(tmp_path):
@@ -410,7 +409,7 @@ def test_what_has_no_derivative_is_refused():
     part = bar()
     part.derivative("p", key="material.E")
     with pytest.raises(ValueError, match=r"derivatives: need modes, which impulse.method march"):
-        part.body(step=STEP, method="march")
+        part.body(step=STEP, duration=10 * STEP, method="march")
 
 
 def test_a_mesh_that_morphs_has_its_cells_and_interfaces_by_group():

@@ -3,12 +3,13 @@
 import duhamel as du
 import numpy as np
 import pytest
-from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of, survey
+from duhamel.preprocess import Body, MeshWarning, PreprocessError, assemble, build, mesh_of
 from duhamel.preprocess.assembly.losses import lossy_parts
 from duhamel.preprocess.body.measured import Measured
 from duhamel.preprocess.body.sensors import SensorPoint
 from duhamel.preprocess.mesh.cells import SOLID_TYPES
 from duhamel.preprocess.outline import outline_of
+from duhamel.preprocess.survey import survey
 from scipy.spatial.transform import Rotation
 
 from ..mixed_cases import (
