@@ -68,6 +68,12 @@ class Frame:
         return seen / (self.size[1] - bottom - top)
 
     @property
+    def aspect(self) -> float:
+        """Width over height of what lies between the margins."""
+        (width, height), (left, right, bottom, top) = self.size, self.margins
+        return (width - left - right) / (height - bottom - top)
+
+    @property
     def margins(self) -> tuple[float, float, float, float]:
         """left, right, bottom, top"""
         e = self.enlarged
