@@ -270,7 +270,8 @@ FOLLOWED = """(() => {
   const { camera, controls } = motion.scene.getWorld();
   const far = [10, 20, -5];
   const apart = () => {
-    const seen = camera.position.distanceTo(controls.target) * Math.tan((camera.fov * Math.PI) / 360);
+    const half = Math.tan((camera.fov * Math.PI) / 360);
+    const seen = camera.position.distanceTo(controls.target) * half;
     return Math.hypot(...controls.target.toArray().map((x, i) => far[i] - x)) / seen;
   };
   const before = apart();
