@@ -15,12 +15,10 @@ PLANE_MOTION_TILT = np.radians(12.0), np.radians(-10.0)
 MAX_PLANE_THICKNESS = 0.12
 # Lines and marks at the rim are wider than the points that the camera knows.
 FITTED_MARGIN = 1.06
-# Height of all frames over that of the largest one, above which bodies would be small: more than
-# the 2 of a rod that turns about its end.
+# Height of all frames over the largest one: a rod that turns about its end has 2.
 MAX_TRAVEL = 2.5
 # Of what is seen, across and up, where bodies stay while the camera follows them.
 FOLLOWED_SHARE = 0.8
-# Of smoothing, over some twenty frames.
 PATH_ROUNDS = 400
 # Onto planes: towards the eye, and up.
 NAMED_VIEWS = {

@@ -23,7 +23,7 @@ Image = NDArray[np.uint8]
 USUAL_HEIGHT = 720.0
 TITLE_LETTER = 17.0  # [pixels]
 NOTE_LETTER = 14.0  # [pixels]
-SHRINKING = 0.6
+LETTER_SHRINKING = 0.6
 # Kept for letters, where no body is drawn [pixels].
 TOP_ROOM = 52.0
 BOTTOM_ROOM = 44.0
@@ -62,7 +62,7 @@ class Frame:
         """Of letters, which shrink less than small pictures, so that they are read."""
         width, height = self.size
         share = min(height, width * 9.0 / 16.0) / USUAL_HEIGHT
-        return share if share > 1.0 else share**SHRINKING
+        return share if share > 1.0 else share**LETTER_SHRINKING
 
     def pixel(self, seen: float) -> float:
         """The length of a pixel where a height `seen` lies between the margins [m]."""
