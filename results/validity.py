@@ -474,11 +474,17 @@ class Check(NamedTuple):
     @property
     def sentence(self) -> str:
         """The value, its owner and the recommended range."""
-        criterion, owner = self.criterion, f" of {self.owner}" if self.owner else ""
-        return (
-            f"{criterion.quantity}{owner}: {criterion.measured(self.value)} "
-            f"(recommended {criterion.bound(criterion.good)})"
-        )
+        return f"{self._value} (recommended {self.criterion.bound(self.criterion.good)})"
+
+    @property
+    def beyond(self) -> str:
+        """The value, its owner and the limit."""
+        return f"{self._value} (limit {self.criterion.bound(self.criterion.limit)})"
+
+    @property
+    def _value(self) -> str:
+        owner = f" of {self.owner}" if self.owner else ""
+        return f"{self.criterion.quantity}{owner}: {self.criterion.measured(self.value)}"
 
     def _remedy(self) -> str:
         """The key to change and its value, where the steps are too few."""

@@ -88,6 +88,19 @@ class Browser:
         feature = {"name": "prefers-color-scheme", "value": scheme}
         self._call("Emulation.setEmulatedMedia", features=[feature])
 
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Move the mouse from a place to another [px] with its left button down."""
+        for kind, (x, y) in (("Pressed", start), ("Moved", end), ("Released", end)):
+            self._call(
+                "Input.dispatchMouseEvent",
+                type=f"mouse{kind}",
+                x=x,
+                y=y,
+                button="left",
+                buttons=0 if kind == "Released" else 1,
+                clickCount=1,
+            )
+
     def close(self) -> None:
         self._session = ""
         self._call("Browser.close")

@@ -1,4 +1,4 @@
-"""A camera that sees all frames of a film from one place."""
+"""A camera that sees all frames of a film from one place, or follows what travels."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,6 +15,11 @@ PLANE_MOTION_TILT = np.radians(12.0), np.radians(-10.0)
 MAX_PLANE_THICKNESS = 0.12
 # Lines and marks at the rim are wider than the points that the camera knows.
 FITTED_MARGIN = 1.06
+# Height of all frames over the largest one: a rod that turns about its end has 2.
+MAX_TRAVEL = 2.5
+# Of what is seen, across and up, where bodies stay while the camera follows them.
+FOLLOWED_SHARE = 0.8
+PATH_ROUNDS = 400
 # Onto planes: towards the eye, and up.
 NAMED_VIEWS = {
     "xy": ((0, 0, 1), (0, 1, 0)),
@@ -160,6 +165,34 @@ class Fitting:
         middle = 0.5 * (self._low + self._high)
         depth = 0.5 * self.extent[2] + 0.1 * height
         return Camera(self._axes, middle @ self._axes, float(height), float(depth))
+
+
+def following(
+    boxes: list[tuple[Array, Array]], whole: Camera, aspect: float
+) -> tuple[float, Array]:
+    """The height of what is seen [m] and the shifts (k, 3) of a camera in each frame [m].
+
+    It stays where it holds all frames without making bodies small. Else it sees a height between
+    those of the largest frame and of all, nearer to the first, and moves as little as holds the
+    bodies in the middle.
+
+    boxes: the corners (3,), (3,) of the bodies of each frame along the axes of the camera; whole:
+    the camera that holds all frames; aspect: width over height.
+    """
+    low, high = (np.array(ends)[:, :2] for ends in zip(*boxes, strict=True))
+    per_height = np.array([aspect, 1.0])
+    largest = FITTED_MARGIN * float(((high - low) / per_height).max())
+    still = np.zeros((len(boxes), 3))
+    if largest <= 0.0 or whole.height <= MAX_TRAVEL * largest:
+        return whole.height, still
+    height = largest * float(np.cbrt(whole.height / largest))
+    room = 0.5 * FOLLOWED_SHARE * height * per_height
+    path = 0.5 * (low + high)
+    for _ in range(PATH_ROUNDS):
+        around = np.vstack([path[:1], path, path[-1:]])
+        path = np.clip(0.5 * (around[:-2] + around[2:]), high - room, low + room)
+    shifts: Array = (path - whole.axes[:2] @ whole.focus) @ whole.axes[:2]
+    return height, shifts
 
 
 def spread_of(samples: Iterable[Array]) -> Array:

@@ -89,6 +89,7 @@ def told(motion: Motion) -> dict[str, Any]:
             for moved in movements(motion)
         ],
         "marks": names(motion),
+        "middles": np.mean([shape.poses[1:, :3, 3] for shape in motion.shapes], axis=0).tolist(),
         "cameras": {name: placed(camera) for name, camera in cameras(motion).items()},
         "magnification": motion.moving.magnification,
     }

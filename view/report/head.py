@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ...results import Results
-from ...results.validity import MAX_SHOWN_WARNINGS
+from ...results.validity import MAX_SHOWN_WARNINGS, Validity
 from ..prefixes import seconds
 from .numbers import counted
 from .origin import Origin, opening
@@ -23,8 +23,8 @@ def head(results: Results, origin: Origin) -> dict[str, object]:
 
 
 def judged(results: Results) -> tuple[str, str, list[str]]:
-    """ "good", "fair" or "poor", why, and a line for each limit that is passed."""
-    checks, text = results.validity.checks, results.validity.summary
+    """ "good", "fair" or "poor", what holds and what exceeds, and a line for each limit passed."""
+    checks, text = results.validity.checks, standing(results.validity)
     if unfinished := not results.solver.get("finished", True):
         text = f"The run did not come to its end: what follows is as far as it got. {text}"
     verdicts = [check.verdict for check in checks]
@@ -35,6 +35,16 @@ def judged(results: Results) -> tuple[str, str, list[str]]:
         return "poor", text, warnings
     good = "good" in verdicts and "fair" not in verdicts and not unfinished
     return "good" if good else "fair", text, []
+
+
+def standing(validity: Validity) -> str:
+    """One line: which criteria exceed their limits and how many hold, or the usual summary."""
+    worst = [check for check in validity.worst if check.verdict != "unknown"]
+    poor = [check for check in worst if check.verdict == "poor"]
+    if not poor:
+        return validity.summary
+    exceeding = "; ".join(check.beyond for check in poor)
+    return f"Exceeded: {exceeding}. {len(worst) - len(poor)} of {len(worst)} criteria hold."
 
 
 def sentence(results: Results) -> str:

@@ -3,6 +3,8 @@
   const { OPTIONS, byId, clock, bytes, unpacked, tell, told, traces, layout, hasWebGL, frameAt, drawNames, sceneFrom, loadPlotly } = viewer;
   /* Of instants that are kept for looking back: some 200 MB. */
   const MOST_NUMBERS = 5e7;
+  /* Of the bodies from the middle of the stage, over half its height. */
+  const LARGEST_OFFSET = 0.4;
   const token = location.pathname.split("/")[1];
   const quantities = [];
   let changed = false;
@@ -50,6 +52,7 @@
       this.scene = scene;
       this.first = 0;
       this.instants = [];
+      this.middles = [];
       this.marks = { names: [], times: [], places: [] };
       this.numbers = 0;
       const parts = Object.values(scene.getWorld().ObjectsListJson);
@@ -70,6 +73,7 @@
         }
       });
       this.instants.push(...news.instants);
+      this.middles.push(...news.middles);
       this.takeMarks(news.marks);
       this.forget();
     }
@@ -91,12 +95,31 @@
         this.numbers -= this.numbers / this.instants.length;
         for (const part of this.parts) for (const key of ["model_matrix", "vertices"]) if (part[key]?.timeSeries) delete part[key][this.first];
         this.instants.shift();
+        this.middles.shift();
         this.first += 1;
       }
     }
 
     async show(t) {
-      if (this.instants.length) await this.scene.setTime(this.first + frameAt(this.instants, t));
+      if (!this.instants.length) return;
+      const frame = frameAt(this.instants, t);
+      if (byId("keep").checked) this.keepInView(this.middles[Math.round(frame)]);
+      await this.scene.setTime(this.first + frame);
+    }
+
+    /* The camera moves with the middle of the bodies where that leaves the middle of the stage. */
+    keepInView(middle) {
+      const { camera, controls } = this.scene.getWorld();
+      const target = controls.target.toArray();
+      const way = middle.map((x, i) => x - target[i]);
+      const off = Math.hypot(...way);
+      const seen = camera.position.distanceTo(controls.target) * Math.tan((camera.fov * Math.PI) / 360);
+      const part = 1 - (LARGEST_OFFSET * seen) / off;
+      if (!(part > 0)) return;
+      const moved = (point) => point.toArray().map((x, i) => x + part * way[i]);
+      camera.position.fromArray(moved(camera.position));
+      controls.target.fromArray(moved(controls.target));
+      controls.update();
     }
   }
 

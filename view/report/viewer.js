@@ -53,19 +53,24 @@ const viewer = (() => {
     }));
   }
 
+  /* The colors of the page, which are others where it is dark. */
+  function color(name) {
+    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  }
+
   function layout(plot, range) {
-    const axis = { gridcolor: "#e6eaee", zerolinecolor: "#c3ccd4", linecolor: "#5b6875", ticks: "outside", tickcolor: "#c3ccd4", exponentformat: "power", automargin: false };
+    const axis = { gridcolor: color("line"), zerolinecolor: color("line"), linecolor: color("soft"), ticks: "outside", tickcolor: color("line"), exponentformat: "power", automargin: false };
     return {
       margin: MARGIN,
-      font: { family: "system-ui, sans-serif", size: 12, color: "#1c2733" },
+      font: { family: "system-ui, sans-serif", size: 12, color: color("ink") },
       showlegend: true,
       legend: { orientation: "h", x: 0, xanchor: "left", y: 1.0, yanchor: "bottom", itemwidth: 30 },
       xaxis: { ...axis, title: { text: "time [s]", standoff: 6 }, range: range.slice() },
       yaxis: { ...axis, title: { text: plot.unit ? `[${plot.unit}]` : "", standoff: 4 }, type: plot.log ? "log" : "linear" },
       dragmode: "zoom",
       hovermode: "closest",
-      paper_bgcolor: "#fff",
-      plot_bgcolor: "#fff",
+      paper_bgcolor: color("paper"),
+      plot_bgcolor: color("paper"),
     };
   }
 
@@ -117,7 +122,19 @@ const viewer = (() => {
       stage.append(label);
       return label;
     });
+    /* A name that would hide another is moved up or down, or left out; its dot stays. */
+    const apart = (taken, width, height, x, y) => {
+      for (const lift of [0, height, -height, 2 * height, -2 * height]) {
+        const box = [x, y + lift, x + width, y + lift + height];
+        if (taken.some(([l, t, r, b]) => box[0] < r && l < box[2] && box[1] < b && t < box[3])) continue;
+        taken.push(box);
+        return lift;
+      }
+      return null;
+    };
+    const sizes = shown.map((label) => [label.offsetWidth + 8, label.offsetHeight]);
     const place = () => {
+      const taken = [];
       const { camera } = scene.getWorld();
       const toEye = camera.matrixWorldInverse.elements;
       const toScreen = camera.projectionMatrix.elements;
@@ -132,8 +149,10 @@ const viewer = (() => {
         const depth = -seen[2];
         const x = (0.5 + (0.5 * toScreen[0] * seen[0]) / depth) * width;
         const y = (0.5 - (0.5 * toScreen[5] * seen[1]) / depth) * height;
-        label.style.display = depth > 0 ? "" : "none";
-        label.style.transform = `translate(${x}px, ${y}px)`;
+        const lift = depth > 0 ? apart(taken, ...sizes[i], x, y) : null;
+        label.style.display = lift === null ? "none" : "";
+        label.style.setProperty("--lift", `${lift}px`);
+        label.style.transform = `translate(${x}px, ${y + lift}px)`;
       });
     };
     scene.on(scene.events.RENDERED, place);

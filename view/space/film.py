@@ -3,7 +3,7 @@
 import os
 import tomllib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ...results import Results
 from ...results.transforms import Window
 from ...superelement.validation import Array
-from ..camera import Camera, Fitting, chosen_axes, spread_of
+from ..camera import Camera, Fitting, chosen_axes, following, spread_of
 from ..errors import PictureError
 from ..field_kinds import WORST_TIME, scale_of
 from ..worst import worst_time
@@ -161,13 +161,13 @@ def _shoot(
     on_frame: OnFrame | None,
 ) -> Film:
     frame = Frame(size, scale=bool(stage.field))
-    camera = fitted(stage, axes, frame)
+    camera, shifts = aimed(stage, axes, frame)
     still = lettered(frame, letters(stage, when, title, axes))
     step = float(when.times[1] - when.times[0]) if len(when.times) > 1 else 0.0
     clock = Clock(frame, float(when.times[-1]), step)
     number = len(when.times)
     with Studio(stage, camera, frame) as studio, written(path, size, when.fps, number) as sink:
-        for done, (image, time) in enumerate(painted(stage, studio), 1):
+        for done, (image, time) in enumerate(painted(stage, studio, shifts), 1):
             sink.put(clock.write(np.minimum(image, still), time))
             if on_frame is not None:
                 on_frame(done, number)
@@ -177,10 +177,24 @@ def _shoot(
     return Film(number, seconds, stage.magnification, field, *ends, told)
 
 
-def painted(stage: Stage, studio: Studio) -> Iterator[tuple[Image, float]]:
-    """Each frame with its time."""
+def painted(stage: Stage, studio: Studio, shifts: Array) -> Iterator[tuple[Image, float]]:
+    """Each frame with its time.   shifts (k, 3): of the camera [m]"""
     for batch in stage.batches():
-        yield from zip(studio.frames(batch), stage.times[batch.rows].tolist(), strict=True)
+        frames = studio.frames(batch, shifts[batch.rows])
+        yield from zip(frames, stage.times[batch.rows].tolist(), strict=True)
+
+
+def aimed(stage: Stage, axes: Array, frame: Frame) -> tuple[Camera, Array]:
+    """The camera, and how it follows bodies that travel (k, 3) [m]."""
+    whole, boxes = fitted(stage, axes, frame), []
+    for batch in stage.batches():
+        for k in range(len(batch)):
+            fitting = Fitting(axes)
+            for positions in batch.positions:
+                fitting.take(positions[k].astype(float))
+            boxes.append(fitting.box)
+    height, shifts = following(boxes, whole, frame.aspect)
+    return replace(whole, height=height), shifts
 
 
 def fitted(stage: Stage, axes: Array, frame: Frame) -> Camera:
@@ -191,8 +205,7 @@ def fitted(stage: Stage, axes: Array, frame: Frame) -> Camera:
             fitting.take(positions.astype(float))
         for places in stage.mark_positions(batch.rows):
             fitting.take(places)
-    (width, height), (left, right, bottom, top) = frame.size, frame.margins
-    return fitting.camera((width - left - right) / (height - bottom - top))
+    return fitting.camera(frame.aspect)
 
 
 def letters(stage: Stage, when: Timing, title: str, axes: Array) -> Lettering:

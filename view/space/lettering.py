@@ -23,6 +23,7 @@ Image = NDArray[np.uint8]
 USUAL_HEIGHT = 720.0
 TITLE_LETTER = 17.0  # [pixels]
 NOTE_LETTER = 14.0  # [pixels]
+LETTER_SHRINKING = 0.6
 # Kept for letters, where no body is drawn [pixels].
 TOP_ROOM = 52.0
 BOTTOM_ROOM = 44.0
@@ -58,14 +59,21 @@ class Frame:
 
     @property
     def enlarged(self) -> float:
-        """Of letters."""
+        """Of letters, which shrink less than small pictures, so that they are read."""
         width, height = self.size
-        return min(height, width * 9.0 / 16.0) / USUAL_HEIGHT
+        share = min(height, width * 9.0 / 16.0) / USUAL_HEIGHT
+        return share if share > 1.0 else share**LETTER_SHRINKING
 
     def pixel(self, seen: float) -> float:
         """The length of a pixel where a height `seen` lies between the margins [m]."""
         _, _, bottom, top = self.margins
         return seen / (self.size[1] - bottom - top)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of what lies between the margins."""
+        (width, height), (left, right, bottom, top) = self.size, self.margins
+        return (width - left - right) / (height - bottom - top)
 
     @property
     def margins(self) -> tuple[float, float, float, float]:

@@ -1,6 +1,7 @@
 """Frames of a stage, painted by VTK without a screen."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,7 @@ class Studio:
         ]
         self._marks = [_MarkFigure(self._plotter, mark, self._finer) for mark in stage.marks]
         self._set_light(camera)
-        self._aim(camera)
+        self._camera = camera
 
     def __enter__(self) -> "Studio":
         return self
@@ -80,8 +81,8 @@ class Studio:
     def __exit__(self, *_: object) -> None:
         self._plotter.close()
 
-    def frames(self, batch: Batch) -> Iterator[Image]:
-        """The frames of a batch, without letters."""
+    def frames(self, batch: Batch, shifts: Array) -> Iterator[Image]:
+        """The frames of a batch, without letters.   shifts (k, 3): of the camera [m]"""
         marks = list(self._stage.mark_positions(batch.rows))
         for k in range(len(batch)):
             for figure, positions, values in zip(
@@ -90,6 +91,7 @@ class Studio:
                 figure.move(positions[k], None if values is None else values[k])
             for mark, places in zip(self._marks, marks, strict=True):
                 mark.move(places[k])
+            self._aim(replace(self._camera, focus=self._camera.focus + shifts[k]))
             yield self._picture()
 
     def _picture(self) -> Image:

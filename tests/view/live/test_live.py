@@ -117,6 +117,8 @@ def test_the_page_is_told_where_the_bodies_are(folder, results):
     assert at[-1] == 1000
     hub = unpacked(news["parts"][0]["matrices"])
     assert np.allclose(hub[:, :3, 3], results.body("hub").x[at], atol=1e-6)
+    middles = 0.5 * (results.body("hub").x + results.body("beam").x)[at]
+    assert np.allclose(news["middles"], middles, atol=1e-12)
     beam = next(part for part in news["parts"] if part["vertices"])
     places, points = unpacked(beam["matrices"]), unpacked(beam["vertices"])
     seen = places[:, None, :3, :3] @ points[..., None]
@@ -263,6 +265,23 @@ def test_a_run_that_nobody_watches_ends_by_itself(folder):
     assert "1000 steps" in out
 
 
+FOLLOWED = """(() => {
+  const { motion } = duhamel;
+  const { camera, controls } = motion.scene.getWorld();
+  const far = [10, 20, -5];
+  const apart = () => {
+    const half = Math.tan((camera.fov * Math.PI) / 360);
+    const seen = camera.position.distanceTo(controls.target) * half;
+    return Math.hypot(...controls.target.toArray().map((x, i) => far[i] - x)) / seen;
+  };
+  const before = apart();
+  motion.keepInView(far);
+  return [before, apart()];
+})()"""
+"""how far a place is from what the camera looks at, over half the height of the stage, before and
+after the bodies have gone there"""
+
+
 @pytest.mark.skipif(executable() is None, reason="no Chromium")
 def test_a_browser_follows_holds_continues_and_stops_a_run(folder):
     with run(folder, "long.toml") as process:
@@ -285,6 +304,9 @@ def test_a_browser_follows_holds_continues_and_stops_a_run(folder):
             assert page.run("document.querySelector('#validity table') !== null")
             page.run("document.getElementById('hold').click()")
             until(page, f"{status} === 'The run is paused.'")
+            apart = page.run(FOLLOWED)
+            assert apart[0] > 5.0
+            assert apart[1] < 0.5
             page.run("document.getElementById('quantity').value = 'position:beam.tip:y'")
             page.run("document.querySelector('#add button').click()")
             title = "document.querySelector('#plots h3').textContent"

@@ -105,6 +105,16 @@ def test_a_passed_limit_stands_at_the_top_with_its_name(results, monkeypatch):
     assert "elastic rotation: 0.5 rad (limit &lt; 0.3 rad)" in told
 
 
+def test_the_banner_says_what_exceeds_and_how_much_holds(results, monkeypatch):
+    of = type(results.validity.checks[0]).of
+    checks = type(results.validity)((of("elastic_rotation:beam.tip", 0.5), of("spin:beam", 0.01)))
+    monkeypatch.setattr(Results, "validity", property(lambda self: checks))
+    _, text, _ = judged(results)
+    exceeded = "elastic rotation of beam.tip: 0.5 rad (limit < 0.3 rad)"
+    assert text == f"Exceeded: {exceeded}. 1 of 2 criteria hold."
+    assert "✗ Beyond its limits" in markup.part("verdict", *judged(results))
+
+
 def test_a_run_within_all_limits_says_so(results, monkeypatch):
     checks = type(results.validity)((type(results.validity.checks[0]).of("spin:beam", 0.01),))
     monkeypatch.setattr(Results, "validity", property(lambda self: checks))

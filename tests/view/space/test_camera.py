@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from duhamel.view import PictureError
-from duhamel.view.camera import Fitting, chosen_axes
+from duhamel.view.camera import Fitting, chosen_axes, following
 from duhamel.view.space.film import fitted, gravity_of
 from duhamel.view.space.lettering import Frame
 from duhamel.view.space.stage import Stage
@@ -80,3 +80,31 @@ def test_a_single_point_is_seen():
     fitting = Fitting(np.eye(3))
     fitting.take(np.zeros((1, 3)))
     assert fitting.camera(1.5).height > 0.0
+
+
+def travel(distance):
+    """Boxes of a body of unit size that rises, and the camera that holds all of them."""
+    whole, boxes = Fitting(np.eye(3)), []
+    for up in np.linspace(0.0, distance, 30):
+        box = np.array([0.0, up, 0.0]), np.array([1.0, up + 1.0, 1.0])
+        whole.take(np.array(box))
+        boxes.append(box)
+    return boxes, whole.camera(1.5)
+
+
+def test_a_camera_stays_where_bodies_travel_little():
+    boxes, whole = travel(1.0)
+    height, shifts = following(boxes, whole, 1.5)
+    assert height == whole.height
+    assert (shifts == 0.0).all()
+
+
+def test_a_camera_follows_a_body_that_travels_far_and_holds_it():
+    boxes, whole = travel(20.0)
+    height, shifts = following(boxes, whole, 1.5)
+    assert 1.0 < height < 0.25 * whole.height
+    for (low, high), shift in zip(boxes, shifts, strict=True):
+        flat = (np.array([low, high]) - whole.focus - shift)[:, :2]
+        assert (np.abs(flat) < [0.75 * height, 0.5 * height]).all()
+    assert (np.diff(shifts[:, 1]) > 0.0).all()
+    assert np.ptp(shifts[:, 1]) < 20.0
