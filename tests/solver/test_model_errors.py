@@ -423,6 +423,17 @@ FILES = {
         {"simulation": "t_ned = 1"},
         "simulation: unknown key 't_ned'; did you mean 't_end'?",
     ),
+    "a joint of Adams": (
+        {
+            "rest": "[bodies.c]\nmass = 1\ninertia = [1, 1, 1]\n"
+            "[[joints]]\nname = 'a'\ntype = 'hinge'\nbetween = ['ground', 'c']"
+        },
+        "found 'hinge'; did you mean 'revolute'?",
+    ),
+    "a choice with a slip": (
+        {"simulation": "rule = 'papr'"},
+        "found 'papr'; did you mean 'paper'?",
+    ),
     "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
     "gravity": (
         {"simulation": "gravity = [0, 1]"},
