@@ -94,6 +94,8 @@ def failures_named(
         raise failure(f"{os.fspath(path)}: out of memory: {in_one_line(error)}") from error
     except DAMAGE_ERRORS as error:
         why = in_one_line(error)
+        if os.fspath(path).lower().endswith(".toml"):
+            why = "a TOML file: duhamel preprocess makes superelements, duhamel run results"
         raise failure(f"{os.fspath(path)}: not a readable {what}: {why}") from error
 
 

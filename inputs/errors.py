@@ -54,6 +54,16 @@ WORDS_OF_OTHERS = {
     "duration": "t_end",
     "frequency_range": "band",
     "amplitude": "signal",
+    "magnitude": "signal",
+    "value": "signal",
+    "body": "on",
+    "frame": "on",
+    "set": "group",
+    "nset": "group",
+    "c": "damping",
+    "k": "stiffness",
+    "maximum": "max",
+    "minimum": "min",
 }
 """what other programs call what a file may have here"""
 

@@ -430,7 +430,22 @@ FILES = {
         },
         "found 'hinge'; did you mean 'revolute'?",
     ),
-    "a choice with a slip": (
+    "a damper": (
+        {"rest": "[[springs]]\nname = 's'\ntype = 'damper'\nbetween = ['ground', 'a']"},
+        "got 'damper'; did you mean 'point'?",
+    ),
+    "a table twice": (
+        {"rest": "[joints]\nname = 'a'\n[joints]\nname = 'b'"},
+        "'[joints]'; a table is written once, and each of several joints or loads as [[joints]]",
+    ),
+    "a comma": ({"simulation": "rho_inf = 0,9"}, "'rho_inf = 0,9'; decimals take a point"),
+    "no quotes": ({"simulation": "start = equilibrium"}, "; texts take quotes"),
+    "yes": ({"simulation": "rho_inf = yes"}, "; expected true or false"),
+    "a body file for a superelement": (
+        {"rest": "[bodies.b]\nsuperelement = 'model.toml'"},
+        "a TOML file: duhamel preprocess makes",
+    ),
+    "a slip": (
         {"simulation": "rule = 'papr'"},
         "found 'papr'; did you mean 'paper'?",
     ),
