@@ -75,8 +75,8 @@ def body_file(part: NamedSolid, mesh: dict[str, object], pairs: Sequence[JointPa
     if rest:
         lines += ["", comment("Further interfaces, to uncomment: each one costs time.")]
     for feature in rest[:MAX_COMMENTED]:
-        boss = "  # a boss: the outside of a hole" if is_boss(feature, features) else ""
-        lines += [f"# {table_head('interfaces', interface_name(feature))}{boss}"]
+        remark = "  # a boss: the outside of a hole" if is_boss(feature, features) else ""
+        lines += [f"# {table_head('interfaces', interface_name(feature))}{remark}"]
         lines += [f"# {feature.key}"]
     return "\n".join(lines) + "\n"
 

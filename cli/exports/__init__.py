@@ -7,7 +7,14 @@ from importlib import import_module
 from itertools import groupby
 from pkgutil import iter_modules
 
-from .export import EXPORT_OPTIONS, EXPORTS, SUPERELEMENT_EXPORTS, Asked
+from .export import (
+    EXPORT_OPTIONS,
+    EXPORTS,
+    SUPERELEMENT_EXPORTS,
+    Asked,
+    ExportFormat,
+    SuperelementFormat,
+)
 
 __all__ = [
     "EXPORTS",
@@ -36,6 +43,9 @@ def described() -> str:
 
 def takers(option: str) -> str:
     """The formats that take an option of `EXPORT_OPTIONS`, as text."""
-    formats = [*EXPORTS.values(), *SUPERELEMENT_EXPORTS.values()]
+    formats: list[ExportFormat | SuperelementFormat] = [
+        *EXPORTS.values(),
+        *SUPERELEMENT_EXPORTS.values(),
+    ]
     *others, last = [each.name for each in formats if option in each.takes]
     return f"{', '.join(others)} or {last}" if others else last
