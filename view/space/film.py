@@ -152,8 +152,9 @@ def animate(
     pyvista()
     stage = Stage(results, when.times, field, magnify, marks, limit)
     warnings = *(f"drawn without colors: {why}" for why in stage.untold.values()), *stage.remarks
-    for warning in warnings if on_warning is not None else ():
-        on_warning(warning)
+    if on_warning is not None:
+        for warning in warnings:
+            on_warning(warning)
     axes = _camera_axes(results, stage, view)
     film = _shoot(stage, when, path, size, axes, title, on_frame)
     return replace(film, warnings=warnings)
