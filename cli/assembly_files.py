@@ -8,7 +8,7 @@ import numpy as np
 from ..cad import Feature, Solid
 from ..cad.quality import TETRAHEDRON_VOLUME
 from ..robots.document import comment, inline, table_head, tidy
-from .assembly_pairs import LARGE_COORDINATE, ROUND_KINDS, JointPair
+from .assembly_pairs import LARGE_COORDINATE, JointPair, is_boss, round_features
 
 ASSUMED_STEEL = {"E": 210e9, "nu": 0.3, "rho": 7850.0}
 END_TIME, TIME_STEP = 1e-2, 1e-5
@@ -56,7 +56,7 @@ def body_file(part: NamedSolid, mesh: dict[str, object], pairs: Sequence[JointPa
     }
     features = part.solid.features
     # Paired ones first: they are most likely to be joints.
-    candidates = [*places, *(f for f in features if f.kind in ROUND_KINDS and f not in places)]
+    candidates = [*places, *(f for f in round_features(features) if f not in places)]
     given = candidates[:MAX_INTERFACES] or [max(features, key=lambda feature: feature.area)]
     lines = [
         comment(f"Solid {part.label!r}, in the axes of its CAD file, in meters."),
@@ -67,14 +67,17 @@ def body_file(part: NamedSolid, mesh: dict[str, object], pairs: Sequence[JointPa
         *_keys(ASSUMED_STEEL),
     ]
     for feature in given:
-        lines += ["", table_head("interfaces", interface_name(feature)), feature.key]
+        boss = [comment("a boss: the outside of a hole")] if is_boss(feature, features) else []
+        lines += ["", *boss, table_head("interfaces", interface_name(feature)), feature.key]
         lines += _keys({"at": places[feature]}) if feature in places else []
     lines += ["", "[impulse]", *_keys({"step": TIME_STEP}), "", *FURTHER_TABLES]
     rest = [f for f in features if f not in given and f.kind != "curved"]
     if rest:
         lines += ["", comment("Further interfaces, to uncomment: each one costs time.")]
     for feature in rest[:MAX_COMMENTED]:
-        lines += [f"# {table_head('interfaces', interface_name(feature))}", f"# {feature.key}"]
+        remark = "  # a boss: the outside of a hole" if is_boss(feature, features) else ""
+        lines += [f"# {table_head('interfaces', interface_name(feature))}{remark}"]
+        lines += [f"# {feature.key}"]
     return "\n".join(lines) + "\n"
 
 

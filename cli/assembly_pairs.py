@@ -1,6 +1,6 @@
 """Holes and shafts of two solids in one line, where a joint may be."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -43,7 +43,33 @@ def pairs_of(solids: Mapping[str, Solid]) -> Iterator[JointPair]:
 
 
 def _round(solid: Solid) -> list[Feature]:
-    return [feature for feature in solid.features if feature.kind in ROUND_KINDS]
+    return round_features(solid.features)
+
+
+def round_features(features: Sequence[Feature]) -> list[Feature]:
+    """Holes first, then shafts; last bosses, the outsides of holes."""
+
+    def rank(feature: Feature) -> int:
+        return 0 if feature.kind == "hole" else 2 if is_boss(feature, features) else 1
+
+    return sorted((f for f in features if f.kind in ROUND_KINDS), key=rank)
+
+
+def is_boss(feature: Feature, features: Sequence[Feature]) -> bool:
+    """Whether a shaft is the material around a hole of the same solid."""
+    holes = (other for other in features if other.kind == "hole" and other.radius < feature.radius)
+    return feature.kind == "shaft" and any(_in_line(feature, hole) for hole in holes)
+
+
+def _in_line(one: Feature, two: Feature) -> bool:
+    """Whether two features have one axis, and meet or nearly meet along it."""
+    axis, between = np.array(one.axis), np.subtract(two.center, one.center)
+    larger, along = max(one.radius, two.radius), float(between @ axis)
+    return bool(
+        1.0 - abs(float(axis @ two.axis)) <= PARALLEL_AXES
+        and np.linalg.norm(between - along * axis) <= SAME_LINE * larger
+        and abs(along) <= 0.5 * (one.length + two.length) + larger
+    )
 
 
 def _common_point(one: Feature, two: Feature) -> tuple[float, float, float] | None:
@@ -51,12 +77,7 @@ def _common_point(one: Feature, two: Feature) -> tuple[float, float, float] | No
     axis, between = np.array(one.axis), np.subtract(two.center, one.center)
     larger = max(one.radius, two.radius)
     along = float(between @ axis)
-    if (
-        1.0 - abs(float(axis @ two.axis)) > PARALLEL_AXES
-        or np.linalg.norm(between - along * axis) > SAME_LINE * larger
-        or abs(one.radius - two.radius) > RADIUS_CLEARANCE * larger
-        or abs(along) > 0.5 * (one.length + two.length) + larger
-    ):
+    if not _in_line(one, two) or abs(one.radius - two.radius) > RADIUS_CLEARANCE * larger:
         return None
     # Ends along the axis from the first center: of four, the inner two.
     ends = sorted([-0.5 * one.length, 0.5 * one.length, *_ends(along, two.length)])

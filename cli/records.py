@@ -15,6 +15,7 @@ from ..results.motion import BALANCED_ENERGIES
 from ..results.validity import Validity
 from ..solver import LinearModes, ModelCheck
 from ..superelement import Check, Modes, Superelement
+from .run_report import never_closed
 
 Record = dict[str, Any]
 
@@ -158,6 +159,7 @@ def run_record(model_file: Path, target: Path, results: Results, seconds: float)
             else None
         ),
         "energy_imbalance_j": float(results.energy.imbalance()[0]) if has_energy else None,
+        "never_closed": never_closed(results),
         "within_limits": not results.validity.warnings,
         "validity": validity_records(results.validity),
     }

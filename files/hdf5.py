@@ -40,6 +40,32 @@ DAMAGE_ERRORS = (
 )
 
 
+FORMATS = {
+    "duhamel-superelement": (
+        "a superelement",
+        "models take it as superelement of a body, duhamel info and check show it",
+    ),
+    "duhamel-results": ("results of a run", "duhamel plot, peaks, report and animate take them"),
+    "duhamel-state": ("the checkpoint of a run", "duhamel run --continue goes on from it"),
+}
+"""what the files of Duhamel are, by their attribute `format`, and what takes them"""
+MAKERS = {"duhamel-superelement": "duhamel preprocess", "duhamel-results": "duhamel run"}
+
+
+def require_format(file: h5py.File, wanted: str) -> None:
+    """`FileError` that says what a file is that has another format than the wanted one."""
+    found = file.attrs.get("format")
+    found = found.decode(errors="replace") if isinstance(found, bytes) else found
+    if isinstance(found, str) and found == wanted:
+        return
+    if isinstance(found, str) and found in FORMATS:
+        what, use = FORMATS[found]
+    else:
+        what = "an HDF5 file of another program"
+        use = f"{MAKERS.get(wanted, 'duhamel run')} writes what is expected here"
+    raise FileError(f"expected {FORMATS[wanted][0]}, found {what}: {use}")
+
+
 @contextmanager
 def opened(path: str | os.PathLike[str], failure: type[Exception]) -> Iterator[h5py.File]:
     """A file for reading that `require_contained` lets pass, see `failures_named`."""
@@ -68,6 +94,8 @@ def failures_named(
         raise failure(f"{os.fspath(path)}: out of memory: {in_one_line(error)}") from error
     except DAMAGE_ERRORS as error:
         why = in_one_line(error)
+        if os.fspath(path).lower().endswith(".toml"):
+            why = "a TOML file: duhamel preprocess makes superelements, duhamel run results"
         raise failure(f"{os.fspath(path)}: not a readable {what}: {why}") from error
 
 

@@ -9,6 +9,65 @@ from typing import Any
 MAX_QUOTED_LENGTH = 200
 
 
+WORDS_OF_OTHERS = {
+    "hinge": "revolute",
+    "pin": "revolute",
+    "slider": "prismatic",
+    "slide": "prismatic",
+    "translational": "prismatic",
+    "translator": "prismatic",
+    "weld": "fixed",
+    "tie": "fixed",
+    "bracket": "fixed",
+    "clamp": "fixed",
+    "ball": "spherical",
+    "join": "spherical",
+    "hooke": "universal",
+    "cardan": "universal",
+    "cv": "constant_velocity",
+    "convel": "constant_velocity",
+    "helical": "screw",
+    "inline": "point_on_line",
+    "inplane": "point_on_plane",
+    "link": "rod",
+    "moment": "torque",
+    "damper": "point",
+    "tsda": "point",
+    "spring": "point",
+    "rbe2": "rigid",
+    "kinematic": "rigid",
+    "rbe3": "average",
+    "distributing": "average",
+    "parts": "bodies",
+    "constraints": "joints",
+    "connectors": "joints",
+    "forces": "loads",
+    "connect": "between",
+    "young": "E",
+    "youngs_modulus": "E",
+    "poisson": "nu",
+    "density": "rho",
+    "dt": "step",
+    "time_step": "step",
+    "timestep": "step",
+    "end_time": "t_end",
+    "duration": "t_end",
+    "frequency_range": "band",
+    "amplitude": "signal",
+    "magnitude": "signal",
+    "value": "signal",
+    "body": "on",
+    "frame": "on",
+    "set": "group",
+    "nset": "group",
+    "c": "damping",
+    "k": "stiffness",
+    "maximum": "max",
+    "minimum": "min",
+}
+"""what other programs call what a file may have here"""
+
+
 class InputError(ValueError):
     """A file that is unreadable or has invalid entries; one line."""
 
@@ -38,7 +97,9 @@ def quoted(value: Any) -> str:
 
 def did_you_mean(name: str, known: Iterable[str], n: int = 1, cutoff: float = 0.6) -> str:
     """The end of a message about an unknown name: up to n known ones that are like it, if any."""
-    near = difflib.get_close_matches(name, list(known), n, cutoff)
+    names = list(known)
+    word = WORDS_OF_OTHERS.get(name.lower())
+    near = [word] if word in names else difflib.get_close_matches(name, names, n, cutoff)
     return f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
 
 

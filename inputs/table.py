@@ -1,6 +1,7 @@
 """Tables of a TOML file as frozen models."""
 
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
@@ -174,10 +175,16 @@ def _message(failure: Mapping[str, Any], value: Any) -> str:
         key, text = f"{key}.type", "missing"
     elif failure["type"] == "union_tag_invalid":
         *others, last = failure["ctx"]["expected_tags"].split(", ")
-        found = quoted(failure["ctx"]["tag"])
-        key, text = f"{key}.type", f"expected {', '.join(others)} or {last}, found {found}"
+        tag = failure["ctx"]["tag"]
+        meant = did_you_mean(tag, [name.strip("'") for name in (*others, last)])
+        text = f"expected {', '.join(others)} or {last}, found {quoted(tag)}{meant}"
+        key = f"{key}.type"
     elif failure["type"] != "value_error":
         text = f"{text[0].lower()}{text[1:]}, found {quoted(_plain(failure['input']))}"
+        if failure["type"] == "literal_error" and isinstance(failure["input"], str):
+            text += did_you_mean(
+                failure["input"], re.findall("'(.*?)'", failure["ctx"]["expected"])
+            )
     return f"{key}: {text}" if key else text
 
 

@@ -1,6 +1,7 @@
 """The text of files that users wrote, and TOML, within bounds."""
 
 import os
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,13 @@ MAX_NESTING = 32
 # TOML promises 64 bits; Python would read any number of digits.
 TOML_INTEGERS = range(-(1 << 63), 1 << 63)
 Keys = tuple[str, ...]
+SLIPS = {
+    r"^\[[^\[]": "; a table is written once, and each of several joints or loads as [[joints]]",
+    r"=\s*[-+]?\d+,\d": "; decimals take a point",
+    r"=\s*(?i:yes|no|on|off|true|false)\b": "; expected true or false",
+    r"=\s*[A-Za-z./]": "; texts take quotes",
+}
+"""what is usual in a line of TOML, by what is there instead"""
 
 
 def read_text(path: str | os.PathLike[str], failure: type[Exception] = InputError) -> str:
@@ -56,9 +64,20 @@ def parse_toml(text: str) -> dict[str, Any]:
     except ValueError as error:  # also an integer of thousands of digits, a date that there is not
         if what := told_by_beginning(text[:MAX_QUOTED_LENGTH].encode()):
             raise InputError(f"not a TOML file: {what}") from error
-        raise InputError(f"not a TOML file: {in_one_line(error)[:MAX_QUOTED_LENGTH]}") from error
+        said = in_one_line(error)[:MAX_QUOTED_LENGTH]
+        raise InputError(f"not a TOML file: {said}{_slip(said, text)}") from error
     _check(document)
     return document
+
+
+def _slip(said: str, text: str) -> str:
+    """The line at which a text ceases to be TOML, and what is usual there."""
+    if not (at := re.search(r"at line (\d+)", said)):
+        return ""
+    lines = text.splitlines()
+    line = lines[min(int(at[1]), len(lines)) - 1].strip() if lines else ""
+    hints = (hint for pattern, hint in SLIPS.items() if re.search(pattern, line))
+    return f": {quoted(line)}{next(hints, '')}"
 
 
 def _check(document: dict[str, Any]) -> None:

@@ -125,7 +125,7 @@ class Results:
         return f"<Results: {spanned(self.time)}, {len(self.time)} rows, bodies {bodies}>"
 
     def _repr_html_(self) -> str:
-        shown = rows(self.time, self.solver, self.recorded, self.validity)
+        shown = rows(self.time, self.solver, self.recorded, self.validity, self.events)
         return table("Results", shown)
 
     @property
@@ -261,8 +261,10 @@ class Results:
         notes = self.solver
         step = float(notes.get("h", math.nan))
         in_contact = float(notes.get("contact_step", step))
-        checks = map(Check.of, names, values)
-        return Validity(tuple(check.with_step(step, in_contact) for check in checks))
+        steps = step, in_contact, float(notes.get("finest_step", 0.0))
+        return Validity(
+            tuple(Check.of(*one).with_step(*steps) for one in zip(names, values, strict=True))
+        )
 
     @property
     def model(self) -> str:

@@ -5,11 +5,16 @@ from typing import Any
 
 from ..files.arrays import Array
 from ..files.html import Row, listed
+from .motion import Events
 from .validity import Validity
 
 
 def rows(
-    time: Array, notes: Mapping[str, Any], recorded: tuple[str, ...], validity: Validity
+    time: Array,
+    notes: Mapping[str, Any],
+    recorded: tuple[str, ...],
+    validity: Validity,
+    events: Mapping[str, Events],
 ) -> Iterator[Row]:
     """Duration, steps, how far it is to be trusted, and what was recorded."""
     yield "time", spanned(time)
@@ -20,6 +25,8 @@ def rows(
     if "seconds" in notes:
         yield "computed in", f"{float(notes['seconds']):.3g} s"
     yield "validity", "\n".join(_validity(validity))
+    if never := [name for name, own in events.items() if not len(own)]:
+        yield "never closed", listed(never)
     for kind, names in _groups(recorded).items():
         yield kind, listed(names)
 

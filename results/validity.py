@@ -168,7 +168,7 @@ _CRITERIA_IN_ORDER = (
         "rad",
         0.12,
         0.15,
-        "its motion may become unstable: take a smaller step or rho_inf",
+        "its motion may become unstable: take a smaller step or rho_inf in [simulation]",
         measures="the largest turn in a step of a body with terms of second order",
     ),
     Criterion(
@@ -191,7 +191,8 @@ _CRITERIA_IN_ORDER = (
         "",
         0.8,
         1.0,
-        "forces of its joints may alternate and grow: take a smaller step or rho_inf",
+        "forces of its joints may alternate and grow: take a smaller step or rho_inf in "
+        "[simulation]",
         measures=(
             "the largest turn in a step of a body on joints over 0.7 (1 - rho_inf) rad, if a "
             "joint is off the axis of its spin"
@@ -204,7 +205,7 @@ _CRITERIA_IN_ORDER = (
         "",
         5e-3,
         2e-2,
-        "its rotation is not resolved by the step: take a smaller step",
+        "its rotation is not resolved by the step: take a smaller step in [simulation]",
         measures=(
             "the part of the angular momentum of a body that nothing holds, over its "
             "largest, that the moments on it do not explain"
@@ -217,7 +218,7 @@ _CRITERIA_IN_ORDER = (
         "",
         20.0,
         8.0,
-        "its period is wrong by several per cent: take a smaller step",
+        "its period is wrong by several per cent: take a smaller step in [simulation]",
         least=True,
         measures=(
             "time steps per period of the highest frequency that carries energy, of the "
@@ -254,7 +255,7 @@ _CRITERIA_IN_ORDER = (
         "",
         0.8,
         1.0,
-        "make the superelement for a smaller step, a wider band or more modes",
+        "make the superelement anew, with a smaller step or a wider band in [impulse]",
         measures=(
             "the highest frequency that carries energy over the one up to which the "
             "superelement is right"
@@ -267,7 +268,7 @@ _CRITERIA_IN_ORDER = (
         "",
         1e-3,
         1e-2,
-        "take a smaller step",
+        "take a smaller step in [simulation]",
         measures="the largest error of the energy balance over the energy that moves",
     ),
     Criterion(
@@ -277,7 +278,7 @@ _CRITERIA_IN_ORDER = (
         "",
         1e-3,
         1e-2,
-        "the step is too large for so stiff a law: take a smaller step",
+        "the step is too large for so stiff a law: take a smaller step in [simulation]",
         measures="what a law gave back of what it took, over the energy that moves",
     ),
     Criterion(
@@ -287,7 +288,7 @@ _CRITERIA_IN_ORDER = (
         "",
         40.0,
         20.0,
-        "peak forces need 20 for 1 %: take a smaller step",
+        "peak forces need 20 for 1 %: take a smaller step in [simulation]",
         least=True,
         measures=(
             "steps of the shortest contact from closing to opening, of those whose peak is 5 "
@@ -301,7 +302,7 @@ _CRITERIA_IN_ORDER = (
         "",
         20.0,
         8.0,
-        "take a smaller step, and a superelement with a band for it",
+        "take a smaller step in [simulation], and a superelement with a band for it",
         least=True,
         measures=(
             "steps of the shortest contact of surfaces from closing to opening, of those whose "
@@ -315,7 +316,8 @@ _CRITERIA_IN_ORDER = (
         "",
         1e-2,
         1e-1,
-        "rows of contacts of surfaces close and open within steps: take a smaller step",
+        "rows of contacts of surfaces close and open within steps: take a smaller step in "
+        "[simulation]",
         measures=(
             "the work that forces of contacts of surfaces do on gaps which close or open within a "
             "step, where exact contacts do none, over the energy that moves"
@@ -342,8 +344,8 @@ _CRITERIA_IN_ORDER = (
         "",
         0.3,
         1.0,
-        "the center of the ball is beyond the surface: take a stiffer contact, a smaller step or a "
-        "larger ball",
+        "the center of the ball is beyond the surface: take a stiffer contact, a smaller step in "
+        "[simulation] or a larger ball",
         measures="the largest penetration over the radius of the ball",
     ),
     Criterion(
@@ -365,7 +367,7 @@ _CRITERIA_IN_ORDER = (
         "",
         1e-2,
         1e-1,
-        "take a smaller step, or rho_inf nearer to 1",
+        "take a smaller step, or rho_inf nearer to 1, in [simulation]",
         measures="energy that time stepping dissipates in the modes, over the energy that moves",
     ),
     Criterion(
@@ -375,7 +377,7 @@ _CRITERIA_IN_ORDER = (
         "",
         1e-8,
         1e-6,
-        "take a smaller tolerance or more iterations",
+        "take a smaller tolerance or more max_iterations in [simulation]",
         measures=(
             "by how much the constraints of a joint are open: angles in rad, lengths over "
             "the size of the model"
@@ -403,7 +405,7 @@ _CRITERIA_IN_ORDER = (
         "",
         20.0,
         8.0,
-        "the servo is too fast for the step: take a smaller step, or smaller gains",
+        "the servo is too fast for the step: take smaller gains, or a smaller step in [simulation]",
         least=True,
         measures=(
             "time steps in a period of the fastest pole of the servo's loop at the start, "
@@ -417,7 +419,7 @@ _CRITERIA_IN_ORDER = (
         "rad",
         0.25 * math.pi,
         0.5 * math.pi,
-        "its full turns may be miscounted: take a smaller step",
+        "its full turns may be miscounted: take a smaller step in [simulation]",
         measures="by how much the rate of an angle missed it over a step",
     ),
 )
@@ -428,19 +430,21 @@ CRITERIA = {criterion.name: criterion for criterion in _CRITERIA_IN_ORDER}
 class UsedStep(NamedTuple):
     """The step that a criterion is about: its key in [simulation], and its size [s].
 
-    whole: the step of which `contact_step` must be a whole fraction; 0 for `step` itself.
+    whole: the step of which `contact_step` must be a whole fraction; 0 for `step` itself; finest:
+    the step down to which the superelements hold [s].
     """
 
     key: str
     size: float
     whole: float = 0.0
+    finest: float = 0.0
 
 
 class Check(NamedTuple):
     """The value of a criterion for one owner: a body, "BODY.FRAME", ...; "" is the whole model.
 
     kind: what the owner is, where it is not what the criterion says; step: of criteria that count
-    steps, where it is known.
+    steps, where it is known; cause: why the limit is passed, and what to do, where it is known.
     """
 
     criterion: Criterion
@@ -448,6 +452,7 @@ class Check(NamedTuple):
     value: float
     kind: str = ""
     step: UsedStep | None = None
+    cause: str = ""
 
     @classmethod
     def of(cls, name: str, value: float) -> "Check":
@@ -468,7 +473,8 @@ class Check(NamedTuple):
         who = f"{kind} {self.owner!r}" if self.owner else f"the {kind}"
         return (
             f"{who}: {criterion.quantity}: {criterion.measured(self.value)} "
-            f"(limit {criterion.bound(criterion.limit)}): {criterion.advice}{self._remedy()}"
+            f"(limit {criterion.bound(criterion.limit)}): "
+            f"{self.cause}{criterion.advice}{self._remedy()}"
         )
 
     @property
@@ -490,17 +496,19 @@ class Check(NamedTuple):
         """The key to change and its value, where the steps are too few."""
         if self.step is None or not 0.0 < self.value < math.inf:
             return ""
-        (key, size, whole), most = self.step, self.step.size * self.value / self.criterion.good
+        most = self.step.size * self.value / self.criterion.good
+        key, size, whole, finest = self.step
         advised = _fraction(whole, most) if whole else _rounded_down(most)
-        return f": {key} = {advised} s (now {size:.3g} s)"
+        anew = ", for which superelements are made anew, by step or band in [impulse]"
+        return f": {key} = {advised} s (now {size:.3g} s){anew if most < finest else ''}"
 
-    def with_step(self, step: float, contact_step: float) -> "Check":
+    def with_step(self, step: float, contact_step: float, finest: float = 0.0) -> "Check":
         """The same of a run with these steps [s], if it counts steps."""
         if not self.criterion.least:
             return self
         if self.criterion.name in ("contact_steps", "surface_steps") and contact_step < step:
-            return self._replace(step=UsedStep("contact_step", contact_step, step))
-        return self._replace(step=UsedStep("step", step))
+            return self._replace(step=UsedStep("contact_step", contact_step, step, finest))
+        return self._replace(step=UsedStep("step", step, finest=finest))
 
     def distance(self) -> float:
         """An order of checks of one criterion: the larger, the worse; what is unknown is best."""

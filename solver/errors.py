@@ -73,7 +73,7 @@ class ConvergenceError(RuntimeError):
         super().__init__(
             f"{where}no convergence in step {step} (t = {time:.9g} s): relative residual "
             f"{residual:.3e}, tolerance {tolerance:.1e}{opening}; "
-            + (f"likely cause: {cause}" if cause else "try a smaller step")
+            + (f"likely cause: {cause}" if cause else "try a smaller step in [simulation]")
         )
 
 

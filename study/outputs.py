@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..files.arrays import Array
+from ..inputs.errors import did_you_mean
 from ..results import QuantityError, Results, SeriesError, transforms
 from ..results.motion import EVENT_QUANTITIES
 from ..results.series import rms
@@ -303,6 +304,7 @@ def _parsed(output: str) -> _Output:
         raise StudyError(
             f"expected REDUCTION QUANTITY or REDUCTION |QUANTITY| with one of "
             f"{', '.join(reductions)}, found {output!r}"
+            f"{did_you_mean(output.partition(' ')[0], reductions)}"
         )
     reduction, at, low = match["reduction"], match["at"], match["low"]
     limits = (-np.inf, np.inf)

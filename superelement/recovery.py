@@ -144,7 +144,8 @@ class Recovery:
         """`stress`; `SuperelementError` without stresses."""
         if self.stress is None:
             raise SuperelementError(
-                "recovery: no stress modes, which only solids have and [recovery] stress asks for"
+                "recovery: no stress modes, which only solids have: give stress = true in "
+                "[recovery] of the body file, and make the superelement and the run anew"
             )
         return self.stress
 

@@ -456,7 +456,7 @@ class Superelement:
             raise SuperelementError(
                 f"{self.name}: no modes, so the kernel is fixed: h = {stored.h} s, rho_inf = "
                 f"{stored.scheme.rho_inf}, {stored.steps} steps; asked for h = {h} s, rho_inf = "
-                f"{scheme.rho_inf}, {steps} steps"
+                f"{scheme.rho_inf}, {steps} steps: make it anew, by these in [impulse]"
             )
         return sample_kernel(self.modes_for(h), h, scheme, steps, stored.error, stored.band)
 
@@ -474,7 +474,7 @@ class Superelement:
             warn(
                 f"{self.name}: modes for steps down to {modes.h_min:g} s, right up to "
                 f"{0.25 / modes.h_min:g} Hz; asked for steps of {h:g} s, "
-                f"which resolve {0.25 / h:g} Hz",
+                f"which resolve {0.25 / h:g} Hz: make it anew, by step or band in [impulse]",
                 StepWarning,
                 stacklevel=2,
             )

@@ -15,7 +15,7 @@ from ..arguments import (
     output_option,
     size_of,
 )
-from ..failures import errors_in_one_line, one_line
+from ..failures import errors_in_one_line, one_line, tell_warning
 from ..progress import shown_parts
 
 if TYPE_CHECKING:
@@ -126,9 +126,8 @@ def animate(
                 marks=marks,
                 title=results_file.stem if title is None else title,
                 on_frame=on_frame,
+                on_warning=lambda warning: tell_warning(f"{results_file}: {warning}"),
             )
-    for warning in film.warnings:
-        typer.echo(one_line(f"warning: {results_file}: {warning}"), err=True)
     typer.echo(one_line(f"{target}: {told(film)}, {perf_counter() - began:.1f} s"))
 
 

@@ -18,6 +18,7 @@ from ..exports import (
     described,
     takers,
 )
+from ..exports.sid import DEFAULT_MODES
 from ..failures import errors_in_one_line, one_line
 
 # Characters: typer takes each line of a docstring as a paragraph of its own.
@@ -77,7 +78,11 @@ Magnified = Annotated[
 ]
 ModeCount = Annotated[
     int | None,
-    typer.Option("--modes", min=0, help=f"For {takers('modes')}, the lowest: 20 unless given."),
+    typer.Option(
+        "--modes",
+        min=0,
+        help=f"For {takers('modes')}, the lowest: {DEFAULT_MODES} unless given.",
+    ),
 ]
 
 

@@ -90,8 +90,16 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
             typer.echo(one_line(f"measured: {frequency.strip()}, {pair}"))
     if isinstance(body, preprocess.MeasuredBody):
         typer.echo(one_line(element.provenance.method))
-    elif any(map(is_cad, body.files)):
-        typer.echo(one_line(f"mesh: {element.provenance.mesh}"))
+        undamped = False
+    else:
+        undamped = not (body.damping.model_fields_set or any(body.loss_factors.values()))
+        if any(map(is_cad, body.files)):
+            typer.echo(one_line(f"mesh: {element.provenance.mesh}"))
+    if undamped and element.measured is None:
+        typer.echo(
+            "note: the body file has no [damping], so what vibrates rings on for ever: give a "
+            "loss_factor, as 0.02, and its band"
+        )
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from ...files import renamed_when_whole, require_regular
-from ...files.hdf5 import failures_named
+from ...files.hdf5 import failures_named, require_format
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -109,8 +109,7 @@ def _whole(path: Path) -> io.BytesIO:
 
 
 def _check_format(file: h5py.File) -> None:
-    if (found := file.attrs.get("format")) != STATE_FORMAT:
-        raise StateError(f"attribute format: expected {STATE_FORMAT!r}, found {found!r}")
+    require_format(file, STATE_FORMAT)
     if (version := int(file.attrs.get("version", 0))) != STATE_VERSION:
         raise StateError(f"state of version {version}; this Duhamel reads version {STATE_VERSION}")
 

@@ -16,6 +16,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from ...inputs.errors import did_you_mean
 from ..arrays import Array
 from ..errors import ModelError
 from ..schema.entry import Entry, FormerKey, entry
@@ -112,7 +113,9 @@ class Joint(Entry, Coupling, metaclass=ByType):
         kinds = kinds_of(cls)
         if type not in kinds:
             known = ", ".join(map(repr, kinds))
-            raise ModelError(f"joint {name!r}: type: expected {known}, got {type!r}")
+            raise ModelError(
+                f"joint {name!r}: type: expected {known}, got {type!r}{did_you_mean(type, kinds)}"
+            )
         keys = {key: value for key, value in given.items() if value is not None}
         placed = dict(zip(("axis", "second_axis"), axes, strict=False))
         keys |= {key: value for key, value in placed.items() if value is not None}

@@ -79,7 +79,8 @@ LINEAR_CRITERIA = {
             "",
             0.8,
             1.0,
-            "ask for lower frequencies, or make the superelement for a smaller step or more band",
+            "ask for lower frequencies, or make the superelement anew, with a wider band in "
+            "[impulse]",
             measures=(
                 "the highest frequency of a mode in which the body moves, or of a response, "
                 "over the band of its superelement"

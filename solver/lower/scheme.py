@@ -76,7 +76,7 @@ def _ratio(model: Model, h: float) -> int:
     if ratio < 2 or abs(ratio * short - h) > WHOLE_FRACTION_TOLERANCE * h:
         raise ModelError(
             "simulation: contact_step: expected a half, a third, or another whole fraction of the "
-            f"step, {h:.9g} s, got {short:.9g}"
+            f"step, {h:.9g} s, got {short:.9g}; the nearest is {h / max(ratio, 2):.9g}"
         )
     return ratio
 

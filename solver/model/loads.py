@@ -3,6 +3,7 @@
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from ...inputs.errors import did_you_mean
 from ...superelement import Pattern, Superelement
 from ..errors import ModelError
 from ..schema.entry import Entry, entry
@@ -47,7 +48,10 @@ class Load(Entry, metaclass=ByType):
         kinds = kinds_of(cls)
         if type not in kinds:
             known = ", ".join(map(repr, kinds))
-            raise ModelError(f"load ({type}) on {on!r}: type: expected {known}, got {type!r}")
+            raise ModelError(
+                f"load ({type}) on {on!r}: type: expected {known}, got {type!r}"
+                f"{did_you_mean(type, kinds)}"
+            )
         made: Load = kinds[type](on, *given, **keys)
         return made
 

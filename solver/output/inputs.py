@@ -93,7 +93,7 @@ def _missed_area(load: Load | PatternLoad, lowered: LoweredModel) -> Iterator[st
         yield (
             f"{load.owner}: its signal has an area of {once[1] - once[0]:.4g} from t = {t[0]:.6g} "
             f"to {t[-1]:.6g} s, its samples at steps of {step:.6g} s have {found:.4g}: take "
-            "smaller steps, or a profile such as half_sine, whose area is exact"
+            "smaller steps in [simulation], or a profile such as half_sine, whose area is exact"
         )
 
 

@@ -31,7 +31,10 @@ class ValidityMonitor:
     """
 
     def __init__(self, lowered: LoweredModel) -> None:
-        self._subjects, self._steps = Subjects(lowered), (lowered.longest_step, lowered.h)
+        self._subjects, self._steps = (
+            Subjects(lowered),
+            (lowered.longest_step, lowered.h, finest_step(lowered)),
+        )
         owners = {name: MEASURE_OF_CRITERION[name].owners(self._subjects) for name in CRITERIA}
         self._judged = [name for name in CRITERIA if owners[name]]
         self.names = tuple(f"{name}:{owner}" for name in self._judged for owner in owners[name])
@@ -55,6 +58,12 @@ class ValidityMonitor:
         poor = (check for check in self.validity(state, taken).checks if check.verdict == "poor")
         causes = (check.warning for check in poor if check.criterion.name in FAILING_CRITERIA)
         return next(causes, "")
+
+
+def finest_step(lowered: LoweredModel) -> float:
+    """The step down to which all superelements hold [s]; inf where one has no modes."""
+    modes = [element.modes for element in lowered.superelements]
+    return max((np.inf if one is None else one.h_min for one in modes), default=0.0)
 
 
 def check_range(lowered: LoweredModel, state: State, taken: int) -> None:

@@ -28,7 +28,7 @@ from .columns import requested
 from .inputs import drifts
 from .size import check_memory
 from .space import space_of
-from .validity import ValidityMonitor
+from .validity import ValidityMonitor, finest_step
 
 
 def check_output(path: Path, model: Model) -> None:
@@ -159,6 +159,7 @@ def _notes(initial: InitialState, steps: int) -> dict[str, Any]:
             "removed": initial.removed.names,
             "truncation": _truncation(lowered),
             "damping": damping_of(initial),
+            "finest_step": finest_step(lowered),
         }
         | _notes_of_contacts(lowered)
         | _notes_of_signals(lowered, steps)

@@ -22,6 +22,7 @@ from typing import (
 )
 
 from ...inputs import Shown, dotted, quoted
+from ...inputs.errors import did_you_mean
 from ..errors import ModelError, plain
 
 
@@ -263,7 +264,11 @@ def one_of(names: Mapping[str, Any]) -> FieldSpec:
         return name
 
     in_file = Annotated[str, Shown(lambda: {"type": "string", "enum": list(names)})]
-    return FieldSpec(what, store, in_file)
+
+    def found(name: Any) -> str:
+        return f"{quoted(plain(name))}{did_you_mean(name, names) if isinstance(name, str) else ''}"
+
+    return FieldSpec(what, store, in_file, found=found)
 
 
 @cache

@@ -6,8 +6,9 @@ import pytest
 from duhamel.cli import app
 from duhamel.cli.arguments import beside, size_of
 from duhamel.cli.commands.animate import told
+from duhamel.results import Results
 from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate
-from duhamel.view import Film
+from duhamel.view import Film, animate
 from PIL import Image
 
 TINY = ["--size", "160x90"]
@@ -105,3 +106,14 @@ def test_other_sizes_are_refused(runner, results_file, size):
     result = runner.invoke(app, ["animate", str(results_file), "--size", size])
     assert result.exit_code == 2
     assert "expected WIDTHxHEIGHT" in result.stderr
+
+
+def test_what_a_film_leaves_out_is_told_before_its_first_frame(results_file, tmp_path, monkeypatch):
+    told_at = []
+    monkeypatch.setattr("duhamel.view.space.film._shoot", lambda *_: 1 / 0)
+    monkeypatch.setattr(
+        "duhamel.view.space.stage.unknown", lambda *_: {"beam": "body 'beam': no stress modes"}
+    )
+    with pytest.raises(ZeroDivisionError):
+        animate(Results.read(results_file), tmp_path / "a.png", at=0.0, on_warning=told_at.append)
+    assert "drawn without colors: body 'beam': no stress modes" in told_at

@@ -197,6 +197,24 @@ def test_the_validity_of_a_linear_analysis_is_printed_and_warned_of(runner, elem
     )
 
 
+def test_modes_end_in_the_band_of_the_superelement_unless_they_are_counted(
+    runner, element, tmp_path
+):
+    kernel = replace(element.kernel, band=300.0)
+    write(replace(element, kernel=kernel), tmp_path / "beam.h5")
+    file = tmp_path / "free.toml"
+    file.write_text(
+        "[simulation]\nt_end = 0.01\nstart = 'equilibrium'\n"
+        "[bodies.beam]\nsuperelement = 'beam.h5'\n"
+    )
+    few = run(runner, "modes", file)
+    assert "modes are above 300 Hz" in few.stdout
+    assert not few.stderr
+    all_of_them = run(runner, "modes", file, "-n", 12)
+    assert "modes are above" not in all_of_them.stdout
+    assert "highest frequency / band of the superelement" in all_of_them.stderr
+
+
 def test_what_cannot_be_done_is_told_in_one_line(runner, pendulum, tmp_path):
     asked = ("--to", "coordinate:hinge:angle", "--band", 1, 10)
     result = run(runner, "frf", pendulum, "--from", "load:2", *asked, code=1)

@@ -112,7 +112,7 @@ def test_peaks_are_a_table(runner, results_file):
 def test_a_file_without_results_is_one_line_on_stderr(runner, element_file):
     result = runner.invoke(app, ["plot", str(element_file)])
     assert result.exit_code == 1
-    expected = "attribute format: expected 'duhamel-results', found 'duhamel-superelement'"
+    expected = "expected results of a run, found a superelement"
     assert expected in result.stderr
     assert result.stderr.count("\n") == 1
 

@@ -215,6 +215,9 @@ def test_each_contact_is_a_line_and_quantities_of_it_can_be_drawn(runner, tmp_pa
     assert float(found[3]) == pytest.approx(events.impulse.sum(), rel=1e-3)
     assert int(found[4]) == events.steps.min()
     assert roof == "contacts: roof: never closed"
+    assert "note: never closed in this run: roof; " in result.stdout
+    shown = Results.read(tmp_path / "ball-results.h5")._repr_html_()
+    assert re.search(r"never closed\b.*roof", shown, re.S)
     names = ["gap:floor", "normal_force:floor", "slip:floor:t1", "friction_force:floor"]
     names += ["impulse:floor"]
     target = tmp_path / "ball-results.h5"

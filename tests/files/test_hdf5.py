@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.files import FileError, hdf5
+from duhamel.files.hdf5 import require_format
 
 
 class DamageError(ValueError):
@@ -186,3 +187,22 @@ def test_a_heap_of_texts_that_leads_back_to_itself_is_refused(tmp_path):
     path.write_bytes(data)
     with h5py.File(path) as file, pytest.raises(FileError, match=r"heap of texts at byte \d+"):
         hdf5.require_contained(file)
+
+
+@pytest.mark.parametrize(
+    ("found", "what"),
+    [
+        ("duhamel-results", "found results of a run: duhamel plot, peaks, report and animate"),
+        ("duhamel-state", "found the checkpoint of a run: duhamel run --continue"),
+        (b"duhamel-results", "found results of a run"),
+        ("other", "found an HDF5 file of another program: duhamel preprocess writes"),
+        (7, "found an HDF5 file of another program"),
+        (None, "found an HDF5 file of another program"),
+    ],
+)
+def test_a_file_of_another_kind_is_told_with_what_takes_it(tmp_path, found, what):
+    with h5py.File(tmp_path / "file.h5", "w") as file:
+        if found is not None:
+            file.attrs["format"] = found
+        with pytest.raises(FileError, match=f"expected a superelement, {what}"):
+            require_format(file, "duhamel-superelement")

@@ -191,7 +191,8 @@ def test_only_rows_that_are_whole_count(tmp_path):
         ),
         (
             {"format": "duhamel-superelement"},
-            "attribute format: expected 'duhamel-results', found 'duhamel-superelement'",
+            "expected results of a run, found a superelement: models take it as superelement of a "
+            "body, duhamel info and check show it",
         ),
     ],
 )

@@ -200,7 +200,7 @@ def cut(file, name, data):
     [
         (
             lambda file: file.attrs.update(format="other"),
-            "attribute format: expected 'duhamel-results', found 'other'",
+            "expected results of a run, found an HDF5 file of another program",
         ),
         (
             lambda file: file.attrs.update(version=2),

@@ -302,7 +302,10 @@ def test_another_model_goes_on_from_its_end(element, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"contact_step": 3e-5}, "another whole fraction of the step, 0.0001 s, got 3e-05"),
+        (
+            {"contact_step": 3e-5},
+            "whole fraction of the step, 0.0001 s, got 3e-05; the nearest is 3.33333333e-05$",
+        ),
         ({"contact_step": 1e-4}, "got 0.0001"),
         ({"contact_step": 1e-3}, "got 0.001"),
         ({"contact_step": 1e-5, "history": "fft"}, "needs recursive history.*got history = 'fft'"),

@@ -176,7 +176,9 @@ def test_the_likely_cause_is_told(name):
 def test_where_no_cause_shows_a_smaller_step_is_advised():
     beginning = initialize(one(bar()))
     error = failure(beginning.lowered, beginning.state, beginning.work, 7, 1e-3, "")
-    assert str(error).endswith("relative residual 1.000e-03, tolerance 1.0e-10; try a smaller step")
+    assert str(error).endswith(
+        "relative residual 1.000e-03, tolerance 1.0e-10; try a smaller step in [simulation]"
+    )
     assert (error.step, error.time, error.residual) == (7, 7e-3, 1e-3)
 
 

@@ -1,5 +1,6 @@
 """`check`: what it foretells, against closed forms and against the run itself."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,31 @@ def test_the_frequencies_of_a_clamped_beam(beam):
     found = check(clamped(beam.element)).frequencies
     expected = CANTILEVER**2 * np.sqrt(EI / (MASS_PER_LENGTH * LENGTH**4)) / (2 * np.pi)
     np.testing.assert_allclose(found[:6], np.repeat(expected, 2), rtol=5e-4)
+
+
+@pytest.mark.parametrize("gravity", [(-9.81, 0.0, 0.0), (0.0, 0.0, -9.81)])
+def test_a_vibration_that_gravity_starts_is_told_with_its_cause(beam, gravity):
+    """A bar that hangs: gravity along it excites its fast stretching, at rest it is still."""
+    model = clamped(beam.element, gravity=gravity)
+    slow = replace(model, settings=replace(model.settings, step=1e-4, t_end=0.01))
+    warned = [w for w in check(slow).warnings if "fastest vibration" in w]
+    along = gravity[0] != 0.0
+    assert len(warned) == along
+    assert all("gravity acts suddenly at t = 0" in line for line in warned)
+    still = replace(slow, settings=replace(slow.settings, start="equilibrium"))
+    assert not [w for w in check(still).warnings if "fastest vibration" in w]
+
+
+def test_a_blow_that_gravity_does_not_cause_is_not_told_as_such(beam):
+    model = clamped(
+        beam.element,
+        loads=(Force("beam.tip", (1.0, 0.0, 0.0), Constant(1.0)),),
+        gravity=(-9.81, 0.0, 0.0),
+    )
+    fast = replace(model, settings=replace(model.settings, step=1e-4, t_end=0.01))
+    (line,) = (w for w in check(fast).warnings if "fastest vibration" in w)
+    assert "gravity" not in line
+    assert "take a smaller step in [simulation]: step = " in line
 
 
 def test_the_order_of_each_flexible_body_is_told(beam, with_second_order):

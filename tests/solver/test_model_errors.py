@@ -423,6 +423,32 @@ FILES = {
         {"simulation": "t_ned = 1"},
         "simulation: unknown key 't_ned'; did you mean 't_end'?",
     ),
+    "a joint of Adams": (
+        {
+            "rest": "[bodies.c]\nmass = 1\ninertia = [1, 1, 1]\n"
+            "[[joints]]\nname = 'a'\ntype = 'hinge'\nbetween = ['ground', 'c']"
+        },
+        "found 'hinge'; did you mean 'revolute'?",
+    ),
+    "a damper": (
+        {"rest": "[[springs]]\nname = 's'\ntype = 'damper'\nbetween = ['ground', 'a']"},
+        "got 'damper'; did you mean 'point'?",
+    ),
+    "a table twice": (
+        {"rest": "[joints]\nname = 'a'\n[joints]\nname = 'b'"},
+        "'[joints]'; a table is written once, and each of several joints or loads as [[joints]]",
+    ),
+    "a comma": ({"simulation": "rho_inf = 0,9"}, "'rho_inf = 0,9'; decimals take a point"),
+    "no quotes": ({"simulation": "start = equilibrium"}, "; texts take quotes"),
+    "yes": ({"simulation": "rho_inf = yes"}, "; expected true or false"),
+    "a body file for a superelement": (
+        {"rest": "[bodies.b]\nsuperelement = 'model.toml'"},
+        "a TOML file: duhamel preprocess makes",
+    ),
+    "a slip": (
+        {"simulation": "rule = 'papr'"},
+        "found 'papr'; did you mean 'paper'?",
+    ),
     "unknown": ({"rest": "[[joint]]\nname = 'a'"}, "unknown key 'joint'; did you mean 'joints'?"),
     "gravity": (
         {"simulation": "gravity = [0, 1]"},

@@ -376,7 +376,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_named_with_the_energy_that_it_m
     lines = [str(warning.message) for warning in caught]
     assert any(
         line.startswith("spring 'wall': energy created by the force law / total energy")
-        and line.endswith("take a smaller step")
+        and line.endswith("take a smaller step in [simulation]")
         for line in lines
     )
 
@@ -521,7 +521,7 @@ def test_turns_that_the_rate_cannot_count_are_warned_of():
     assert validity.values("missed_turn") == {"hinge.angle": pytest.approx(2.0)}
     assert validity.warnings == (
         "angle 'hinge.angle': joint angle increment minus rate prediction: 2 rad (limit < 1.57 rad)"
-        ": its full turns may be miscounted: take a smaller step",
+        ": its full turns may be miscounted: take a smaller step in [simulation]",
     )
 
 

@@ -403,9 +403,9 @@ def without_attribute(group, name):
 FAULTS = {
     "other format": (
         with_attribute("/", "format", "vtk"),
-        "attribute 'format': expected 'duhamel-superelement', found 'vtk'",
+        "expected a superelement, found an HDF5 file of another program: duhamel preprocess writes",
     ),
-    "no format": (without_attribute("/", "format"), "attribute 'format' is missing"),
+    "no format": (without_attribute("/", "format"), "found an HDF5 file of another program"),
     "version 8": (
         with_attribute("/", "version", 8),
         "attribute 'version': expected 1 or 2 or 3 or 4 or 5 or 6 or 7, found 8$",

@@ -87,6 +87,7 @@ def animate(
     marks: bool = True,
     title: str = "",
     on_frame: OnFrame | None = None,
+    on_warning: Callable[[str], None] | None = None,
 ) -> Film:
     """Make a film (.mp4, .gif) of a run, or a picture of one time (.png).
 
@@ -117,6 +118,8 @@ def animate(
     title : str
     on_frame : callable, optional
         Is told how many frames are made, of how many.
+    on_warning : callable, optional
+        Is told the `warnings` of the film before its first frame.
 
     Raises
     ------
@@ -148,7 +151,13 @@ def animate(
     require_format(path, size, several=at is None)
     pyvista()
     stage = Stage(results, when.times, field, magnify, marks, limit)
-    return _shoot(stage, when, path, size, _camera_axes(results, stage, view), title, on_frame)
+    warnings = *(f"drawn without colors: {why}" for why in stage.untold.values()), *stage.remarks
+    if on_warning is not None:
+        for warning in warnings:
+            on_warning(warning)
+    axes = _camera_axes(results, stage, view)
+    film = _shoot(stage, when, path, size, axes, title, on_frame)
+    return replace(film, warnings=warnings)
 
 
 def _shoot(
@@ -171,10 +180,9 @@ def _shoot(
             sink.put(clock.write(np.minimum(image, still), time))
             if on_frame is not None:
                 on_frame(done, number)
-    told = *(f"drawn without colors: {why}" for why in stage.untold.values()), *stage.remarks
     seconds = number / when.fps
     field, ends = stage.field, (stage.largest, stage.limit)
-    return Film(number, seconds, stage.magnification, field, *ends, told)
+    return Film(number, seconds, stage.magnification, field, *ends)
 
 
 def painted(stage: Stage, studio: Studio, shifts: Array) -> Iterator[tuple[Image, float]]:
