@@ -60,6 +60,8 @@ def require_format(file: h5py.File, wanted: str) -> None:
         return
     if isinstance(found, str) and found in FORMATS:
         what, use = FORMATS[found]
+    elif isinstance(found, str) and found.startswith("duhamel-"):
+        what, use = f"{found!r}", "a later Duhamel reads it"
     else:
         what = "an HDF5 file of another program"
         use = f"{MAKERS.get(wanted, 'duhamel run')} writes what is expected here"

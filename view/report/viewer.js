@@ -150,9 +150,10 @@ const viewer = (() => {
         const x = (0.5 + (0.5 * toScreen[0] * seen[0]) / depth) * width;
         const y = (0.5 - (0.5 * toScreen[5] * seen[1]) / depth) * height;
         const lift = depth > 0 ? apart(taken, ...sizes[i], x, y) : null;
-        label.style.display = lift === null ? "none" : "";
-        label.style.setProperty("--lift", `${lift}px`);
-        label.style.transform = `translate(${x}px, ${y + lift}px)`;
+        label.style.display = depth > 0 ? "" : "none";
+        label.classList.toggle("bare", lift === null);
+        label.style.setProperty("--lift", `${lift ?? 0}px`);
+        label.style.transform = `translate(${x}px, ${y + (lift ?? 0)}px)`;
       });
     };
     scene.on(scene.events.RENDERED, place);
