@@ -100,8 +100,8 @@ def entry_with_derivatives(symbol: str, k: int) -> Callable[..., list[float]]:
     except BuildError as error:
         raise DerivativeError(f"the time step cannot be built with derivatives: {error}") from error
     entry = marks.DIFFERENTIABLE_ENTRIES[symbol]
-    numbers = {int: ctypes.c_int64, float: ctypes.c_double}
-    kinds = [numbers.get(kind, ctypes.c_void_p) for kind in entry.arguments.values()]
+    numbers: dict[Any, Any] = {int: ctypes.c_int64, float: ctypes.c_double}
+    kinds: list[Any] = [numbers.get(kind, ctypes.c_void_p) for kind in entry.arguments.values()]
     function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *kinds)(
         _engine(code).get_function_address(symbol)
     )
