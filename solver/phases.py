@@ -64,8 +64,7 @@ class Phases:
         in_flight = int(steps > 0)
         if in_flight != self._state.in_flight[0]:
             self._before_flight = Snapshot.of(0, self._live) if in_flight else None
-            old, new = self._runs[1 - in_flight].system, self._runs[in_flight].system
-            change_size(old, new, self._state, self._work)
+            self._change_size(in_flight)
         if in_flight:
             return stride, min(steps, self._most[1])
         return 1, min(n, self._most[0])
@@ -76,12 +75,12 @@ class Phases:
         Fewer than there are inputs where it failed, or where other steps are due.
         """
         if self._lowered.flight is None:
-            taken, residual = advance(self._runs[0], inputs)
+            taken, residual = self._take(0, inputs)
             return taken, residual, taken < len(inputs.load)
         in_flight = int(self._state.in_flight[0])
         # A contact that closes in a long step is found after it: the step must be taken back.
         before = Snapshot.of(0, self._live) if in_flight else None
-        taken, residual = advance(self._runs[in_flight], inputs)
+        taken, residual = self._take(in_flight, inputs)
         failed = taken < len(inputs.load) and residual != OTHER_SIZE
         # Copies of the state and inputs that are not used cost as much as steps: batches grow with
         # success.
@@ -98,7 +97,7 @@ class Phases:
         # Where no long step held, the change to long steps is undone too: it alters a.
         (before if taken else self._before_flight or before).put_back(self._live)
         if taken:
-            advance(self._runs[1], _first(inputs, taken))
+            self._take(1, _first(inputs, taken))
 
     def _steps_of_flight(self, step: int) -> int:
         """Long steps that may follow a step before a load jumps, unless a contact closes first."""
@@ -108,11 +107,18 @@ class Phases:
         if step % lowered.ratio or step == self._refused:
             return 0
         flight = self._corners.steps_of_flight(step)
-        if flight and is_contact_near(
-            lowered.system, lowered.longest_step, self._state, self._work
-        ):
-            return 0
-        return flight
+        return 0 if flight and self._is_contact_near() else flight
+
+    def _take(self, in_flight: int, inputs: Inputs) -> tuple[int, float]:
+        return advance(self._runs[in_flight], inputs)
+
+    def _change_size(self, in_flight: int) -> None:
+        old, new = self._runs[1 - in_flight].system, self._runs[in_flight].system
+        change_size(old, new, self._state, self._work)
+
+    def _is_contact_near(self) -> bool:
+        lowered = self._lowered
+        return is_contact_near(lowered.system, lowered.longest_step, self._state, self._work)
 
 
 class Corners:

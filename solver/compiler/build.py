@@ -529,19 +529,6 @@ def _vector(context: Any, builder: Any, type_: Any, value: Any) -> tuple[Any, An
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def _no_call(
-    typing: Any, address: Any, parameters: Any, memory: Any, h: Any, c: Any, rate: Any
-) -> Any:
-    """Functions of users have no derivatives: what they give is no number."""
-    kind = types.UniTuple(types.float64, 4)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return context.make_tuple(builder, kind, [ir.Constant(DOUBLE, float("nan"))] * 4)
-
-    return kind(address, parameters, memory, h, c, rate), generate
-
-
 QUICK_INTRINSICS = {copy: _copy, call_by_address: call_intrinsic(_vector)}
 """what stands for functions that are not compiled as they are written"""
 
@@ -550,8 +537,9 @@ def _intrinsics_of_derivatives() -> dict[Callable[..., Any], Any]:
     """What does beside these where numbers have derivatives."""
     # Without them numba need not look at dual numbers in each operation.
     from .dual_arithmetic import DUAL_INTRINSICS
+    from .dual_calls import call_with_derivatives
 
-    return {call_by_address: _no_call, **DUAL_INTRINSICS}
+    return {call_by_address: call_with_derivatives, **DUAL_INTRINSICS}
 
 
 def _write_entry(context: Any, module: Any, entry: Entry, result: Any) -> None:

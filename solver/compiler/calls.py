@@ -36,7 +36,7 @@ def machine_code(
     except ForeignError:
         raise
     except Exception as error:  # of many kinds
-        raise ForeignError(_reason(error)) from error
+        raise ForeignError(reason_of(error)) from error
     KEPT_CALLS.append(wrapped)
     return inner, wrapped.address
 
@@ -54,7 +54,7 @@ def _check(returned: Any, returns: bool) -> None:
         raise ForeignError("expected a function that returns four numbers")
 
 
-def _reason(error: Exception) -> str:
+def reason_of(error: Exception) -> str:
     """The line of numba's report that says what is wrong, without colors of a terminal."""
     report = TERMINAL_COLOR.sub("", str(error))
     lines = [line.strip() for line in report.splitlines() if line.strip()]

@@ -20,7 +20,7 @@ from .targets import COMPILED_TARGETS, HOST_TARGET, SHIPPED_TARGETS
 
 COMPILER_FILES = ("build", "calls", "dispatch", "marks", "struct", "targets")
 """the files of this folder that machine code depends on"""
-DERIVATIVE_FILES = ("dual", "dual_arithmetic")
+DERIVATIVE_FILES = ("dual", "dual_arithmetic", "dual_calls")
 """those that it depends on beside these where numbers have derivatives"""
 OBJECT_DIGEST_BYTES = 32
 """bytes at the end of a file: the SHA-256 of all before it"""

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -110,13 +111,18 @@ def _power(builder: Any, a: Number, b: Number) -> Number:
 
 def _arctangent(builder: Any, a: Number, b: Number) -> Number:
     """atan2(y, x): (x dy - y dx) / (x^2 + y^2)"""
-    kind = ir.FunctionType(DOUBLE, [DOUBLE, DOUBLE])
-    function = cgutils.get_or_insert_function(builder.module, kind, "atan2")
     square = builder.fadd(builder.fmul(a[0], a[0]), builder.fmul(b[0], b[0]))
     inverse = builder.fdiv(DOUBLE(1.0), square)
     by_y = _times(builder, builder.fmul(b[0], inverse), a[1])
     by_x = _times(builder, builder.fmul(a[0], inverse), b[1])
-    return builder.call(function, [a[0], b[0]]), _sum(builder, by_y, _negative(builder, by_x))
+    value = _of_library(builder, "atan2", a[0], b[0])
+    return value, _sum(builder, by_y, _negative(builder, by_x))
+
+
+def _of_library(builder: Any, name: str, *arguments: Any) -> Any:
+    """What a function of the C library gives."""
+    kind = ir.FunctionType(DOUBLE, [DOUBLE] * len(arguments))
+    return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), arguments)
 
 
 def _call(builder: Any, name: str, *arguments: Any) -> Any:
@@ -276,6 +282,29 @@ def _logarithm(builder: Any, x: Any) -> tuple[Any, Any]:
     return _call(builder, "log", x), builder.fdiv(DOUBLE(1.0), x)
 
 
+def _tangent(builder: Any, x: Any) -> tuple[Any, Any]:
+    value = _of_library(builder, "tan", x)
+    return value, builder.fadd(DOUBLE(1.0), builder.fmul(value, value))
+
+
+def _arctangent_of_one(builder: Any, x: Any) -> tuple[Any, Any]:
+    square = builder.fadd(DOUBLE(1.0), builder.fmul(x, x))
+    return _of_library(builder, "atan", x), builder.fdiv(DOUBLE(1.0), square)
+
+
+def _hyperbolic_sine(builder: Any, x: Any) -> tuple[Any, Any]:
+    return _of_library(builder, "sinh", x), _of_library(builder, "cosh", x)
+
+
+def _hyperbolic_cosine(builder: Any, x: Any) -> tuple[Any, Any]:
+    return _of_library(builder, "cosh", x), _of_library(builder, "sinh", x)
+
+
+def _hyperbolic_tangent(builder: Any, x: Any) -> tuple[Any, Any]:
+    value = _of_library(builder, "tanh", x)
+    return value, builder.fsub(DOUBLE(1.0), builder.fmul(value, value))
+
+
 def _implement(function: Any, result: Callable[[Any], Any], rule: Callable[..., Any]) -> None:
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return rule(context, builder, *split(builder, args[0]))
@@ -291,6 +320,20 @@ WITH_SLOPES: dict[Any, Callable[[Any, Any], tuple[Any, Any]]] = {
     math.cos: _cosine,
     math.exp: _exponential,
     math.log: _logarithm,
+    # Of functions of users alone.
+    math.fabs: _absolute,
+    math.tan: _tangent,
+    math.atan: _arctangent_of_one,
+    math.sinh: _hyperbolic_sine,
+    math.cosh: _hyperbolic_cosine,
+    math.tanh: _hyperbolic_tangent,
+    np.abs: _absolute,
+    np.sqrt: _root,
+    np.sin: _sine,
+    np.cos: _cosine,
+    np.exp: _exponential,
+    np.log: _logarithm,
+    np.tanh: _hyperbolic_tangent,
 }
 for _name, _with_slope in WITH_SLOPES.items():
     _implement(_name, lambda kind: kind, _slope(_with_slope))

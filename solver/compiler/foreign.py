@@ -5,7 +5,6 @@ it is. An address is a whole number below 2^53, which fits into a float.
 """
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 from ..arrays import Array
@@ -28,7 +27,6 @@ def call_by_address(
     return (0.0, 0.0, 0.0, 0.0) if results is None else results
 
 
-@cache
 def address_of(function: Callable[..., Any], returns: bool) -> int:
     """The address of the machine code of a function (parameters, memory, h, c, rate).
 

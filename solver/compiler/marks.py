@@ -50,7 +50,7 @@ def entry(function: Function) -> Function:
 
 
 def differentiable(made: Function) -> Function:
-    """Register an entry that is also compiled with derivatives; all its arguments are records."""
+    """Register an entry that is also compiled with derivatives; no argument is an array."""
     of_records = cast("Entry", made)
     DIFFERENTIABLE_ENTRIES[of_records.symbol] = of_records
     return made

@@ -9,7 +9,7 @@ from ..compiler.targets import DERIVATIVE_COUNTS
 from ..errors import about
 from ..model.model import Model
 from .rows import MovedSource, NotedSource
-from .run import DualRun, recorded_rows, run_with_derivatives
+from .run import DualRun, count_for, recorded_rows, run_with_derivatives
 from .scope import check_scope, has_kinks
 from .seeds import Start, seeds_of, start_of
 
@@ -68,7 +68,8 @@ class Differentiation:
         """
         with about(self._make(values).path), one_blas_thread():
             start = self._start(values)
-            check_scope(start.lowered)
+            most = max(DERIVATIVE_COUNTS)
+            check_scope(start.lowered, count_for(min(len(self._scales), most)))
             seeds = {}
             for name, scale in self._scales.items():
 
@@ -78,7 +79,7 @@ class Differentiation:
                 seeds[name] = seeds_of(start, start_at, name, values[name], scale)
             arrays = self._noted.arrays_of(start.lowered)
             places: dict[str, tuple[DualRun, int]] = {}
-            names, most = list(seeds), max(DERIVATIVE_COUNTS)
+            names = list(seeds)
             for first in range(0, len(names), most):
                 group = names[first : first + most]
                 run = run_with_derivatives(start, [seeds[name] for name in group], arrays)

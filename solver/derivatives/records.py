@@ -24,17 +24,29 @@ class DualRecord:
     derivatives.
     """
 
-    def __init__(self, record: Struct, k: int, seeds: Mapping[str, Array]) -> None:
-        """seeds (..., k): the derivatives of arrays by name; others are constant."""
+    def __init__(
+        self,
+        record: Struct,
+        k: int,
+        seeds: Mapping[str, Array],
+        beside: "DualRecord | None" = None,
+    ) -> None:
+        """seeds (..., k): the derivatives of arrays by name; others are constant.
+
+        beside: that of a record with which this one shares arrays.
+        """
         self.words: Index = record.words.copy()
         self.arrays: dict[str, Any] = {}
+        self._record = record
         cls: Any = type(record)
         names = array_names(cls)
         for name, (at, array), (_, field) in zip(
             names, record.pointers(), cls.array_fields(), strict=True
         ):
             made = array.copy()
-            if has_derivatives(field):
+            if beside is not None and beside._record.words[at] == record.words[at]:
+                made = beside.arrays[name]
+            elif has_derivatives(field):
                 made = np.zeros((*array.shape, 1 + k))
                 made[..., 0] = array
                 if name in seeds:
@@ -45,6 +57,10 @@ class DualRecord:
     @property
     def address(self) -> int:
         return int(self.words.ctypes.data)
+
+    def part(self, name: str) -> int:
+        """The address of a record within this."""
+        return self.address + self.words.itemsize * int(self._record.layout[name][0])
 
 
 def has_derivatives(field: ArrayField) -> bool:
@@ -71,7 +87,7 @@ def entry_symbol(entry: Any) -> str:
 
 @cache
 def entry_with_derivatives(symbol: str, k: int) -> Callable[..., list[float]]:
-    """An entry of numbers with k derivatives, by its symbol; it takes records or whole numbers.
+    """An entry of numbers with k derivatives, by its symbol.
 
     It is built at its first use. `DerivativeError` where numba cannot build it.
     """
@@ -84,14 +100,13 @@ def entry_with_derivatives(symbol: str, k: int) -> Callable[..., list[float]]:
     except BuildError as error:
         raise DerivativeError(f"the time step cannot be built with derivatives: {error}") from error
     entry = marks.DIFFERENTIABLE_ENTRIES[symbol]
-    kinds = [
-        ctypes.c_int64 if kind is int else ctypes.c_void_p for kind in entry.arguments.values()
-    ]
+    numbers: dict[Any, Any] = {int: ctypes.c_int64, float: ctypes.c_double}
+    kinds: list[Any] = [numbers.get(kind, ctypes.c_void_p) for kind in entry.arguments.values()]
     function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *kinds)(
         _engine(code).get_function_address(symbol)
     )
 
-    def call(*arguments: DualRecord | int) -> list[float]:
+    def call(*arguments: DualRecord | float) -> list[float]:
         results = (ctypes.c_double * MAX_RESULTS)()
         words = [one.address if isinstance(one, DualRecord) else one for one in arguments]
         function(ctypes.addressof(results), *words)

@@ -13,11 +13,12 @@ from ..errors import DerivativeError
 from ..lower.allocation import make_output
 from ..lower.lower import LoweredModel
 from ..output.events import EVENT_COLUMNS
-from ..step.loop import advance
 from ..step.record import record
 from ..step.system import Inputs, Run
 from .records import DualRecord, entry_symbol, entry_with_derivatives
+from .scope import user_laws
 from .seeds import Seeds, Start
+from .steps import DualConvolution, DualPhases, live_state
 
 ROWS_AT_ONCE = 256
 """steps between which those rows are kept that are asked for; all of them are recorded before"""
@@ -63,32 +64,42 @@ def run_with_derivatives(start: Start, seeds: Sequence[Seeds], names: Iterable[s
 
     names: the arrays of `Output` that are kept. `DerivativeError` where it fails.
     """
-    k = count_for(len(seeds))
-    lowered, initial, rows = start.lowered, start.initial, start.inputs.row
+    k, lowered, initial = count_for(len(seeds)), start.lowered, start.initial
     output = make_output(lowered, ROWS_AT_ONCE)
     plain = Run(system=lowered.system, state=initial.state, work=initial.work, output=output)
-    run = DualRecord(plain, k, _joined(seeds, k, ("system", "state", "work")))
-    signals = _joined(seeds, k, ("inputs",), prefixed=False)
-    take, write = (entry_with_derivatives(entry_symbol(one), k) for one in (advance, record))
+    run = flight = DualRecord(plain, k, _joined(seeds, k, ("system", "state", "work")))
+    if lowered.flight is not None:
+        of_flight = _joined(seeds, k, ("flight",), "system/")
+        flight = DualRecord(plain.replace(system=lowered.flight), k, of_flight, beside=run)
+    _set_functions(lowered, run, k)
+    phases = DualPhases(lowered, plain, (run, flight), k, _joined(seeds, k, ("inputs",), ""))
+    convolution = DualConvolution(lowered, run.arrays["system/elastic/kernels/g"])
+    entry_with_derivatives(entry_symbol(record), k)(run, 0)
     kept = _Kept(run, tuple(dict.fromkeys((*names, *STORED_ENERGIES))))
-    write(run, 0)
     kept.take_rows(np.zeros(1, dtype=np.int64), np.ones(1, dtype=bool))
-    done = 0
-    while done < len(rows):
-        part = slice(done, min(done + ROWS_AT_ONCE, len(rows)))
-        n = part.stop - done
-        inputs = DualRecord(
-            _part_of(start.inputs, part), k, {name: a[part] for name, a in signals.items()}
-        )
-        taken = int(take(run, inputs)[0])
-        kept.take_rows(1 + done + np.arange(taken), rows[done : done + taken] >= 0)
+    done, total, every = 0, lowered.n_steps, lowered.model.settings.output.every
+    while done < total:
+        stride, n = phases.begin(convolution.steps_until_due(done, total - done))
+        steps = done + stride * np.arange(1, min(n, ROWS_AT_ONCE) + 1)
+        taken, _, failed = phases.advance(_recorded(start.inputs, steps))
+        # In long steps `every` counts these.
+        steps = steps[:taken]
+        kept.take_rows(steps, (steps % (every * stride) == 0) | (steps == total))
         # It returns early where its list of events is full.
-        if not kept.take_events() and taken < n:
+        if not kept.take_events() and failed:
             raise DerivativeError(
                 f"with derivatives, Newton's method does not converge in step {done + taken + 1}"
             )
-        done += taken
+        done += stride * taken
+        convolution.update(live_state(run))
     return kept.run(lowered)
+
+
+def _set_functions(lowered: LoweredModel, run: DualRecord, k: int) -> None:
+    """Let laws of users call their functions with derivatives."""
+    parameters = run.arrays["system/couplings/laws/parameters"]
+    for law in user_laws(lowered):
+        parameters[law.places, 0] = law.addresses_with_derivatives(k)
 
 
 def count_for(n: int) -> int:
@@ -164,25 +175,26 @@ class _Kept:
 
 
 def _joined(
-    seeds: Sequence[Seeds], k: int, parts: Sequence[str], prefixed: bool = True
+    seeds: Sequence[Seeds], k: int, parts: Sequence[str], prefix: str = "{}/"
 ) -> dict[str, Array]:
     """The seeds of all parameters (..., k) by the names of arrays; zeros beyond the last."""
     found: dict[str, Array] = {}
     for i, one in enumerate(seeds):
         for part in parts:
             for name, array in one.arrays[part].items():
-                key = f"{part}/{name}" if prefixed else name
+                key = f"{prefix.format(part)}{name}"
                 if key not in found:
                     found[key] = np.zeros((*array.shape, k))
                 found[key][..., i] = array
     return found
 
 
-def _part_of(inputs: Inputs, part: slice) -> Inputs:
+def _recorded(inputs: Inputs, steps: Index) -> Inputs:
     """The signals of some steps, each of which is recorded in the next row."""
+    at = steps - 1
     return inputs.replace(
-        load=inputs.load[part],
-        drive=inputs.drive[part],
-        motor=inputs.motor[part],
-        row=np.arange(part.stop - part.start),
+        load=inputs.load[at],
+        drive=inputs.drive[at],
+        motor=inputs.motor[at],
+        row=np.arange(len(steps)),
     )

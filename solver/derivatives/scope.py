@@ -1,40 +1,70 @@
 """What is covered by derivatives of runs, and where a run may have kinks."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import DerivativeError
-from ..history.dyadic import DyadicConvolution
+from ..errors import DerivativeError, ForeignError
 from ..laws.maxwell import MaxwellLaw
 from ..laws.user import UserLaw
 from ..lower.lower import LoweredModel
 
 
-def check_scope(lowered: LoweredModel) -> None:
-    """`DerivativeError` for a model whose runs have no derivatives here."""
-    if reason := next(_reasons(lowered), None):
+class LawOfUser(NamedTuple):
+    """owner: what has it; addresses: of its functions, of which the second may be 0; places: of
+    these among the parameters of all laws.
+    """
+
+    owner: str
+    addresses: list[int]
+    places: slice
+
+    def addresses_with_derivatives(self, k: int) -> list[int]:
+        """Those of the same functions of numbers with k derivatives."""
+        from ..compiler.dual_calls import address_with_derivatives
+
+        return [
+            address_with_derivatives(one, i == 0, k) if one else 0
+            for i, one in enumerate(self.addresses)
+        ]
+
+
+def user_laws(lowered: LoweredModel) -> Iterator[LawOfUser]:
+    """The laws that are functions of Python."""
+    laws = lowered.system.couplings.laws
+    for law in np.flatnonzero(laws.number == UserLaw.number).tolist():
+        row = int(np.searchsorted(laws.range, law, side="right")) - 1
+        first = int(laws.first[law])
+        places = slice(first, first + UserLaw.addresses)
+        addresses = [int(one) for one in laws.parameters[places]]
+        yield LawOfUser(lowered.owner_of(row), addresses, places)
+
+
+def check_scope(lowered: LoweredModel, k: int = 1) -> None:
+    """`DerivativeError` for a model whose runs have no k derivatives here."""
+    if reason := next(_reasons(lowered, k), None):
         raise DerivativeError(f"{reason}: its runs have no exact derivatives")
 
 
-def _reasons(lowered: LoweredModel) -> Iterator[str]:
-    model, settings, n = lowered.model, lowered.model.settings, lowered.n_steps
+def _reasons(lowered: LoweredModel, k: int) -> Iterator[str]:
+    model, settings = lowered.model, lowered.model.settings
     if model.fmus:
         yield "the model has FMUs"
     if model.surface_contacts:
         yield "the model has contacts of surfaces"
-    if lowered.flight is not None:
-        yield "the model has two sizes of steps (contact_step)"
     if lowered.system.newton.fixed_iterations:
         yield "the model has a fixed number of iterations"
-    if DyadicConvolution(lowered.system.elastic).steps_until_due(0, n) < n:
-        yield "bodies without modes have a longer history than is summed directly"
     if settings.steady_rotation is not None:
         yield "the model starts in a steady rotation"
-    laws = lowered.system.couplings.laws
-    for law in np.flatnonzero(laws.number == UserLaw.number).tolist():
-        row = int(np.searchsorted(laws.range, law, side="right")) - 1
-        yield f"{lowered.owner_of(row)} has a law that is a function of Python"
+    for law in user_laws(lowered):
+        try:
+            law.addresses_with_derivatives(k)
+        except ForeignError as error:
+            yield (
+                f"{law.owner} has a law that is a function of Python which cannot be compiled with "
+                f"derivatives ({error})"
+            )
 
 
 def has_kinks(lowered: LoweredModel) -> bool:

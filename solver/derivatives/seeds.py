@@ -29,6 +29,7 @@ from ..simulation import signals
 from ..start.initial import InitialState, initialize, lower_to_start
 from ..step.system import Inputs
 from .records import array_names, has_derivatives
+from .scope import user_laws
 
 SEED_STEP = 2e-4
 """of the scale of a parameter"""
@@ -58,11 +59,13 @@ class Start(NamedTuple):
 
     @property
     def records(self) -> dict[str, Struct]:
+        flight = self.lowered.flight
         return {
             "system": self.lowered.system,
             "state": self.initial.state,
             "work": self.initial.work,
             "inputs": self.inputs,
+            **({} if flight is None else {"flight": flight}),
         }
 
 
@@ -114,6 +117,8 @@ def _derivatives(
     for part in starts[0].records:
         records = [start.records[part] for start in starts]
         _check_structure(part, records, parameter)
+        if part == "system":
+            _check_functions(starts, parameter)
         found[part] = {}
         samples = [dict(_numbers(record)) for record in records]
         for name in samples[0]:
@@ -171,6 +176,16 @@ def _check_structure(part: str, records: Sequence[Struct], parameter: str) -> No
                     f"{parameter}: it changes the structure or the steps of the model "
                     f"({part}/{name})"
                 )
+
+
+def _check_functions(starts: Sequence[Start], parameter: str) -> None:
+    """`DerivativeError` where a law calls another function at other values."""
+    for laws in zip(*(user_laws(start.lowered) for start in starts), strict=True):
+        if any(law.addresses != laws[0].addresses for law in laws):
+            raise DerivativeError(
+                f"{parameter}: {laws[0].owner} has a law whose function changes with it; expected "
+                "it among the numbers of this law"
+            )
 
 
 def _is_same(part: str, name: str, first: Any, other: Any) -> bool:

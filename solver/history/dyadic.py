@@ -18,6 +18,7 @@ import numpy as np
 from numpy import fft
 from numpy.typing import NDArray
 
+from ..arrays import Array, Index
 from ..step.records.elastic import Elastic
 from ..step.system import State
 
@@ -83,13 +84,18 @@ class DyadicConvolution:
         loaded = elastic.loaded[elastic.loaded_range[e] : elastic.loaded_range[e + 1]]
         dofs = slice(elastic.dof[e], elastic.dof[e + 1])
         now = n - int(state.past.first[0])
-        # Twice the block: padding with zeros keeps the cyclic convolution from wrapping around.
-        loads = fft.rfft(state.past.p[loaded, now - block + 1 : now + 1], 2 * block)
-        columns = self._spectrum(e, block)[:, loaded - dofs.start]
-        response = fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
+        p = state.past.p[loaded, now - block + 1 : now + 1]
+        response = self._response(e, block, loaded - dofs.start, p)
         ahead = state.past.u_ahead[dofs, now + 1 : now + 1 + block]
         # At the end of the window fewer steps are left than a block has.
         ahead += response[:, : ahead.shape[1]]
+
+    def _response(self, e: int, block: int, loaded: Index, p: Array) -> Array:
+        """Of the block of steps after those of the loads p on some dofs of body e."""
+        # Twice the block: padding with zeros keeps the cyclic convolution from wrapping around.
+        loads = fft.rfft(p, 2 * block)
+        columns = self._spectrum(e, block)[:, loaded]
+        return fft.irfft(np.einsum("ikf,kf->if", columns, loads), 2 * block)[:, block:]
 
     def _spectrum(self, e: int, block: int) -> Complex:
         """The transform of the first 2 block lags of body e, (n_c, n_c, block + 1)."""
@@ -97,9 +103,12 @@ class DyadicConvolution:
         if key not in self._spectra:
             n_c = int(self._elastic.dof[e + 1] - self._elastic.dof[e])
             lags = int(self._elastic.kernels.lags[e])
-            g = self._elastic.kernels.g[key[0] : key[0] + n_c * n_c * lags].reshape(n_c, n_c, lags)
-            self._spectra[key] = fft.rfft(g[:, :, ::-1][:, :, : 2 * block], 2 * block)
+            self._spectra[key] = self._transform(key[0], n_c, lags, block)
         return self._spectra[key]
+
+    def _transform(self, first: int, n_c: int, lags: int, block: int) -> Complex:
+        g = self._elastic.kernels.g[first : first + n_c * n_c * lags].reshape(n_c, n_c, lags)
+        return fft.rfft(g[:, :, ::-1][:, :, : 2 * block], 2 * block)
 
 
 def power_above(lags: int) -> int:

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from types import CodeType, FunctionType, ModuleType
 from typing import Annotated, Any, ClassVar
 
@@ -35,7 +36,13 @@ class LawFunction:
         return f"{self.name} {digest.hexdigest()}"
 
     def address(self, returns: bool) -> float:
-        return float(address_of(self.function, returns))
+        return _address(self, returns)
+
+
+@cache
+def _address(function: LawFunction, returns: bool) -> float:
+    """The same for all that compute the same."""
+    return float(address_of(function.function, returns))
 
 
 def _function(value: Any) -> LawFunction:

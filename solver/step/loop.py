@@ -135,6 +135,7 @@ def _is_other_size_due(system: System, state: State, work: Workspace) -> bool:
     return is_contact_near(system, longest, state, work) == (scheme.stride > 1)
 
 
+@differentiable
 @entry
 def is_contact_near(system: System, h: float, state: State, work: Workspace) -> bool:
     """Whether any contact is closed, or may be after a time h."""

@@ -3,12 +3,13 @@
 Source: docs/theory.md, Two step sizes.
 """
 
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled, differentiable, entry
 from .records.bodies import BodyState
 from .records.scheme import Scheme
 from .system import State, System, Workspace
 
 
+@differentiable
 @entry
 def change_size(old: System, new: System, state: State, work: Workspace) -> None:
     """Let a state go on with the steps of another system, which differs from the old in them alone.

@@ -1,5 +1,6 @@
 """Runs with dual numbers: derivatives of all that is recorded, against differences of runs."""
 
+import math
 from dataclasses import replace
 from functools import partial
 
@@ -10,11 +11,14 @@ from duhamel.solver import (
     FlexibleBody,
     Force,
     Frame,
+    Impact,
     Model,
     RigidBody,
     Settings,
+    Spring,
     Start,
     UserLaw,
+    simulate,
 )
 from duhamel.solver.derivatives.run import recorded_rows, run_with_derivatives
 from duhamel.solver.derivatives.scope import check_scope, has_kinks
@@ -25,6 +29,7 @@ from duhamel.solver.lower.lower import lower
 from duhamel.solver.step.loop import advance
 from duhamel.solver.step.record import record
 from duhamel.solver.step.system import Output, Run
+from duhamel.superelement.parameters import scaled
 
 from ..study.test_sensitivity import bouncing
 from .compiler import every_part
@@ -55,14 +60,12 @@ def with_derivatives(make, values):
 
 
 def every_part_of(gravity=9.81, stiffness=1.0, push=20.0, mass=1.5):
-    """The model of every kind of part, without functions of users, which have no derivatives."""
+    """The model of every kind of part, functions of users included."""
     model = every_part.make_model()
-    springs = []
-    for spring in model.springs:
-        laws = spring.law if isinstance(spring.law, tuple) else ()
-        kept = tuple(law for law in laws if not isinstance(law, UserLaw))
-        changed = {"stiffness": stiffness * np.asarray(spring.stiffness)}
-        springs.append(replace(spring, **changed, **({"law": kept} if laws else {})))
+    springs = [
+        replace(spring, stiffness=stiffness * np.asarray(spring.stiffness))
+        for spring in model.springs
+    ]
     bodies = dict(model.bodies)
     bodies["spherical"] = replace(bodies["spherical"], mass=mass)
     loads = (Force("modal.i1", [1.0, -2.0, 0.5], Constant(push)), *model.loads[1:])
@@ -225,18 +228,137 @@ def test_what_is_smooth_may_be_stationary(slope):
     np.testing.assert_allclose(found, slope, atol=1e-10)
 
 
+def agree(make, values, steps, reads):
+    """Check values of a run with derivatives, and these against central differences.
+
+    steps: of each parameter, of its value; reads: of results, by the names of arrays.
+    """
+    found = with_derivatives(make, values)
+    run = simulate(make(**values))
+    for name, read in reads.items():
+        expected = read(run)
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(found[name][..., 0], expected, atol=1e-10 * size, err_msg=name)
+    for number, (parameter, value) in enumerate(values.items()):
+        d = steps * value
+        ends = [simulate(make(**{**values, parameter: value + end})) for end in (d, -d)]
+        for name, read in reads.items():
+            expected = (read(ends[0]) - read(ends[1])) / (2.0 * d)
+            size = np.abs(expected).max()
+            derivative = found[name][..., 1 + number]
+            np.testing.assert_allclose(
+                derivative, expected, atol=2e-6 * size, err_msg=f"{name} by {parameter}"
+            )
+
+
+def of_body(name):
+    return {
+        "body_position": lambda run: run.body(name).position[:, None],
+        "body_velocity": lambda run: run.body(name).velocity[:, None],
+    }
+
+
+def branch(parameters, memory, h, c, rate):
+    """Stiffness and time of relaxation; it remembers deformation and force."""
+    k, tau = parameters[0], parameters[-1]
+    x = h / tau
+    decay = np.exp(-x)
+    slope = k if x == 0.0 else k * (1.0 - decay) / x
+    force = decay * memory[1] + slope * (c - memory[0])
+    return force, slope, 0.0, 0.5 * force**2 / k
+
+
+def remember(parameters, memory, h, c, rate):
+    k, tau = parameters[0], parameters[-1]
+    x = h / tau
+    decay = np.exp(-x)
+    slope = k if x == 0.0 else k * (1.0 - decay) / x
+    memory[1] = decay * memory[1] + slope * (c - memory[0])
+    memory[0] = c
+
+
+def pulled(*laws, mass=2.0, t_end=0.2):
+    body = RigidBody(mass, [0.1] * 3, start=Start([0.3, 0, 0], velocity=[1.0, 0.0, 0.4]))
+    coil = Spring("coil", "point", ["ground.post", "body"], law=laws)
+    return Model(
+        {"body": body},
+        springs=[coil],
+        ground_frames={"post": Frame([0.0, 0.0, 0.0])},
+        settings=Settings(t_end=t_end, step=1e-3),
+    )
+
+
+def test_functions_of_users_have_derivatives_by_their_numbers():
+    """With a memory; one is made anew for each value, of the same code."""
+
+    def make(mass, k, tau):
+        def hardening(parameters, memory, h, c, rate):
+            drag = math.tanh(rate)
+            force = 30.0 * c**3 + 0.3 * drag
+            return force, 90.0 * c**2, 0.3 * (1.0 - drag**2), 7.5 * c**4
+
+        relaxing = UserLaw(branch, [k, tau], [0.0, 0.0], remember)
+        return pulled(UserLaw(hardening), relaxing, mass=mass)
+
+    agree(make, {"mass": 2.0, "k": 200.0, "tau": 0.05}, 1e-5, of_body("body"))
+
+
+def test_a_function_that_changes_with_a_parameter_is_refused():
+    def make(k):
+        def linear(parameters, memory, h, c, rate):
+            return k * c, k, 0.0, 0.5 * k * c**2
+
+        return pulled(UserLaw(linear))
+
+    with pytest.raises(DerivativeError, match="k: spring 'coil' has a law whose function changes"):
+        with_derivatives(make, {"k": 3.0})
+
+
+def test_steps_of_two_sizes_are_those_of_the_plain_run():
+    """A ball that bounces three times; each state that is taken back has its derivatives too."""
+
+    def make(mass, gravity, stiffness):
+        impact = Impact(stiffness=stiffness, restitution=1.0, exponent=1.5)
+        model = bouncing(1e-3).with_settings(contact_step=1e-4, t_end=0.3)
+        return replace(
+            model,
+            bodies={"ball": replace(model.bodies["ball"], mass=mass)},
+            contacts=[replace(model.contacts[0], impact=impact)],
+            gravity=[0.0, 0.0, -gravity],
+        )
+
+    values = {"mass": 1.0, "gravity": 9.81, "stiffness": 1e7}
+    assert lower(make(**values)).ratio == 10
+    agree(make, values, 1e-6, of_body("ball"))
+
+
+@pytest.mark.parametrize("history", ["fft", "direct"])
+def test_histories_that_are_convolved_between_steps_have_derivatives(tmp_path, history):
+    """By a load and by a kernel, whose size is that of stiffness and mass."""
+    element = bar(tmp_path, 0.3)
+
+    def make(load, size):
+        body = FlexibleBody(scaled(element, stiffness=size, density=size))
+        force = Force("beam.right", [0.0, 1.0, 0.0], Constant(load))
+        settings = Settings(t_end=0.06, step=2e-4, history=history)
+        return Model({"beam": body}, loads=[force], settings=settings)
+
+    def displacement(run):
+        frames = ("beam.right", "beam.left")
+        return np.stack([run.frame(name).elastic_displacement for name in frames], axis=1)
+
+    values = {"load": 2.0, "size": 1.0}
+    assert lower(make(**values)).n_steps == 300
+    reads = {"frame_elastic_displacement": displacement}
+    agree(make, values, 1e-5, reads)
+
+
 def test_models_without_derivatives_are_named():
-    model = every_part.make_model()
-    with pytest.raises(DerivativeError, match="'point' has a law that is a function of Python"):
-        check_scope(lower(model))
-    for changed, told in (
-        (bouncing(1e-3).with_settings(contact_step=1e-4), "two sizes of steps"),
-        (every_part_of().with_settings(fixed_iterations=3), "a fixed number of iterations"),
-        (
-            every_part_of().with_settings(history="fft", t_end=0.2),
-            "a longer history than is summed directly",
-        ),
-    ):
-        with pytest.raises(DerivativeError, match=told):
-            check_scope(lower(changed))
+    def rounded(parameters, memory, h, c, rate):
+        return math.floor(c), 0.0, 0.0, 0.0
+
+    with pytest.raises(DerivativeError, match=r"'coil' has a law that is a function.*floor"):
+        check_scope(lower(pulled(UserLaw(rounded))))
+    with pytest.raises(DerivativeError, match="a fixed number of iterations"):
+        check_scope(lower(every_part_of().with_settings(fixed_iterations=3)))
     assert has_kinks(lower(every_part_of()))

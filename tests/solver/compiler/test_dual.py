@@ -8,6 +8,8 @@ import pytest
 from duhamel.solver import BoucWenLaw, UserLaw, laws
 from duhamel.solver.arrays import Array
 from duhamel.solver.compiler import marks, object_file
+from duhamel.solver.compiler.dual_calls import address_with_derivatives
+from duhamel.solver.compiler.foreign import address_of
 from duhamel.solver.compiler.parts import filled_parts, larger_parts, largest_part, n_parts, part
 from duhamel.solver.compiler.struct import Struct, array
 from duhamel.solver.derivatives.records import DualRecord
@@ -145,16 +147,20 @@ def test_parts_of_a_number(call):
     assert record.arrays["y"][:2].tolist() == [[0.5, 3.0, 9.0], [7.0, 7.0, 7.0]]
 
 
-@pytest.mark.parametrize("name", [n for n, law in LAWS.items() if not isinstance(law, UserLaw)])
+@pytest.mark.parametrize("name", LAWS)
 def test_each_law_has_the_slopes_that_it_says(call, name):
     """Of force by coordinate and rate: to rounding, where differences have only eight digits."""
     law = LAWS[name]
     # Its slope is that of a differential equation, which is solved by steps.
     by_steps = isinstance(law, BoucWenLaw) and law.exponent != 1.0
     tolerance = 1e-6 if by_steps else 1e-11
+    parameters = np.array(law.parameters(), dtype=float)
+    if isinstance(law, UserLaw):
+        functions = enumerate(parameters[:2].astype(int).tolist())
+        parameters[:2] = [one and address_with_derivatives(one, i == 0, K) for i, one in functions]
     for c, rate in ((0.13, 0.3), (-0.31, -0.2), (0.62, 1.7), (-0.04, 2.5)):
         point = Point(
-            parameters=np.array(law.parameters(), dtype=float),
+            parameters=parameters,
             memory=np.array(law.memories(), dtype=float),
             motion=np.array([c, rate]),
             out=np.zeros(4),
@@ -164,3 +170,31 @@ def test_each_law_has_the_slopes_that_it_says(call, name):
         force, by_c, by_rate, _ = record.arrays["out"]
         scale = abs(by_c[0]) + abs(by_rate[0]) + abs(force[0])
         np.testing.assert_allclose(force[1:], [by_c[0], by_rate[0]], atol=tolerance * scale)
+
+
+def of_everything(parameters, memory, h, c, rate):
+    """Functions that laws of users alone call, by the standard library and by numpy."""
+    x, y = c + parameters[0], rate * parameters[1]
+    library = math.tan(x) + math.atan(y) * math.sinh(x) - math.cosh(y) * math.tanh(x * y)
+    arrays = np.exp(x) * np.sin(y) + np.cos(x) * np.sqrt(x) + np.log(x) * np.abs(y) * np.tanh(y)
+    return library, arrays, math.fabs(y) * x, len(memory)
+
+
+def test_functions_of_users_have_all_slopes():
+    at = np.array([0.3, 1.4, 0.5, -0.8])
+    out, parameters, motion = np.zeros((4, 5)), np.zeros((2, 5)), np.zeros((2, 5))
+    parameters[:, 0], motion[:, 0] = at[:2], at[2:]
+    parameters[:, 1:3] = motion[:, 3:5] = np.eye(2)
+    address = address_with_derivatives(int(address_of(of_everything, True)), True, 4)
+    words = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_int64]
+    code = ctypes.CFUNCTYPE(None, *words, ctypes.c_double, ctypes.c_void_p)(address)
+    arrays = (out.ctypes.data, parameters.ctypes.data, 2, out.ctypes.data, 0)
+    code(*arrays, 1e-3, motion.ctypes.data)
+
+    def plain(x):
+        return np.array(of_everything(x[:2], np.zeros(0), 1e-3, *x[2:]))
+
+    np.testing.assert_allclose(out[:, 0], plain(at), rtol=1e-14)
+    for i, d in enumerate(1e-6 * np.eye(4)):
+        expected = (plain(at + d) - plain(at - d)) / 2e-6
+        np.testing.assert_allclose(out[:, 1 + i], expected, atol=1e-8)
