@@ -54,11 +54,7 @@ class _LazyCommands(Commands):
         return super().get_command(ctx, name)
 
 
-app = typer.Typer(
-    cls=_LazyCommands,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
+app = typer.Typer(cls=_LazyCommands, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _tell_version(asked: bool) -> None:

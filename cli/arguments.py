@@ -38,16 +38,14 @@ ResultsFile = Annotated[
 ]
 Gravities = Annotated[bool, typer.Option("--g", help="Accelerations in g = 9.80665 m/s².")]
 Title = Annotated[
-    str | None,
-    typer.Option(metavar="TEXT", help="The name of the file, unless given."),
+    str | None, typer.Option(metavar="TEXT", help="The name of the file, unless given.")
 ]
 FromTime = Annotated[
     float | None, typer.Option("--from", metavar="SECONDS", help="From this time.")
 ]
 # `export` has --to for its format, so --until is the name that all commands know.
 ToTime = Annotated[
-    float | None,
-    typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time."),
+    float | None, typer.Option("--to", "--until", metavar="SECONDS", help="Up to this time.")
 ]
 
 

@@ -16,14 +16,7 @@ from ..solver import (
     stability_map,
 )
 from ..superelement.validation import Array
-from ..view import (
-    CampbellLine,
-    ModeShape,
-    ResponseCurve,
-    draw_campbell,
-    draw_response,
-    draw_shapes,
-)
+from ..view import CampbellLine, ModeShape, ResponseCurve, draw_campbell, draw_response, draw_shapes
 from .tables import table
 
 # Within its width, or a sharp peak falls between two points.

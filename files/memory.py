@@ -81,10 +81,7 @@ class _Controller(NamedTuple):
 
 
 CGROUP_V1 = _Controller(
-    "sys/fs/cgroup/memory",
-    "memory.limit_in_bytes",
-    "memory.usage_in_bytes",
-    "total_inactive_file",
+    "sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"
 )
 CGROUP_V2 = _Controller("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file")
 

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from threading import Event, Thread
 from time import perf_counter
-from types import TracebackType
 
 # [s] between lines of progress where there is no terminal.
 LINE_INTERVAL = 5.0
@@ -89,12 +88,7 @@ class Progress:
             self._thread.start()
         return self.work
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         self._ended.set()
         if self._shown:
             self._thread.join()

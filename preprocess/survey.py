@@ -149,10 +149,7 @@ def survey(body: Body, progress: bool = False) -> Survey:
 
     `progress` shows the stages on the terminal.
     """
-    with (
-        refused_where_singular(),
-        shown_stages(progress) as stages,
-    ):
+    with refused_where_singular(), shown_stages(progress) as stages:
         with stages.stage("mesh"):
             source, test = read_mesh_source(body), read_test(body)
             if test is not None:

@@ -86,10 +86,7 @@ DIMENSIONS = {
         Dimension("pattern", "load patterns of flexible bodies, as BODY.PATTERN", "patterns"),
         Dimension("sensor", "sensors of flexible bodies, as BODY.SENSOR", "sensors"),
         Dimension(
-            "sensor_channel",
-            "channels of sensors, as BODY.SENSOR.CHANNEL",
-            "sensors",
-            ragged=True,
+            "sensor_channel", "channels of sensors, as BODY.SENSOR.CHANNEL", "sensors", ragged=True
         ),
         Dimension("event", "times that a contact or stop was closed, in the order of their ends"),
         Dimension("event_owner", "contacts and stops whose events are counted"),

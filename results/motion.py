@@ -469,11 +469,7 @@ class ContactMotion(Recorded, group="contacts", owner="contact", plot="{}"):
     gap: Array = quantity("m", "gap, negative while closed", source="gap", section="Contacts")
     """(n,) gap, negative while closed [m]"""
     dent: Array = quantity(
-        "m",
-        "depth of the dent that impacts have left",
-        source="dent",
-        sparse=True,
-        since=11,
+        "m", "depth of the dent that impacts have left", source="dent", sparse=True, since=11
     )
     """(n,) depth of the dent that impacts have left [m]; not in files before
     version 11"""
@@ -618,11 +614,7 @@ class StopMotion(Recorded, group="stops", owner="stop", plot="{}"):
     )
     """(n,) distance to the nearer limit, negative beyond it [m, rad]"""
     dent: Array = quantity(
-        ("m", "rad"),
-        "depth of the dent at the nearer limit",
-        source="dent",
-        sparse=True,
-        since=11,
+        ("m", "rad"), "depth of the dent at the nearer limit", source="dent", sparse=True, since=11
     )
     """(n,) depth of the dent at the nearer limit [m, rad]; not in files before
     version 11"""

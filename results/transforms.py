@@ -261,12 +261,7 @@ TRANSFORMS = {
         paper=lambda given: "bands",
     ),
     "cfc": Transform(
-        _cfc,
-        _same,
-        lambda given: f"CFC {given['class']:g}",
-        TIME,
-        numbers=("class",),
-        required=1,
+        _cfc, _same, lambda given: f"CFC {given['class']:g}", TIME, numbers=("class",), required=1
     ),
     "lowpass": _filter("lowpass", "below", "corner"),
     "highpass": _filter("highpass", "above", "corner"),

@@ -78,11 +78,7 @@ def _friction(joint: Joint) -> dict[str, float]:
 
 
 def stop(
-    joint: NamedJoint,
-    limits: tuple[float, float],
-    robot: Robot,
-    tree: Tree,
-    options: ImportOptions,
+    joint: NamedJoint, limits: tuple[float, float], robot: Robot, tree: Tree, options: ImportOptions
 ) -> Section:
     """The limits of a joint as a stop."""
     stiffness = options.stop_stiffness
@@ -155,11 +151,7 @@ def servos(joints: Iterable[NamedJoint], options: ImportOptions) -> Iterator[Act
 
 def motor(actuator: Actuator, joint: NamedJoint, name: str, port: str) -> Section:
     """The motor of an actuator; port: the name of its input."""
-    values: dict[str, Any] = {
-        "name": name,
-        "joint": joint.name,
-        "coordinate": joint.coordinate,
-    }
+    values: dict[str, Any] = {"name": name, "joint": joint.name, "coordinate": joint.coordinate}
     if actuator.follows == "torque":
         values["torque" if joint.coordinate == "angle" else "force"] = {"input": port}
     elif actuator.follows == "reference":

@@ -141,8 +141,7 @@ def _sizes(figure: Node, key: str, n: int) -> np.ndarray:
 
 def _joint(node: Node) -> Joint:
     node.reads(
-        ("name", "type"),
-        ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
+        ("name", "type"), ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic")
     )
     given = node.word("type")
     if given not in JOINT_TYPES:

@@ -52,13 +52,7 @@ from .output.keeper import (
 from .output.passages import check_passages, check_resolution
 from .output.recorder import NO_ENERGIES, Recorder
 from .output.validity import ValidityMonitor, check_range, interface_out_of_range
-from .output.writer import (
-    check_output,
-    make_writer,
-    read_back,
-    recorded_every,
-    resume_writer,
-)
+from .output.writer import check_output, make_writer, read_back, recorded_every, resume_writer
 from .phases import Phases
 from .plausibility import severe_warnings
 from .schema.entry import LARGEST_NUMBER

@@ -33,11 +33,7 @@ def design_arrays(base: Superelement, values: Mapping[str, float]) -> Supereleme
     squares = modes.omega**2
     omega, V = _modes(squares, changed(np.diag(squares), "K"), changed(np.eye(len(squares)), "M"))
     found = Modes(
-        omega,
-        ratios_at(base, omega),
-        changed(modes.phi, "phi") @ V,
-        modes.h_min,
-        modes.chain,
+        omega, ratios_at(base, omega), changed(modes.phi, "phi") @ V, modes.h_min, modes.chain
     )
     X = changed(np.array([interface.X for interface in base.interfaces]), "X")
     return replace(

@@ -13,11 +13,7 @@ MAX_SHOWN_FREQUENCIES = 6
 
 
 def rows(
-    mass: float,
-    interfaces: tuple[Interface, ...],
-    modes: Modes | None,
-    kernel: Kernel,
-    method: str,
+    mass: float, interfaces: tuple[Interface, ...], modes: Modes | None, kernel: Kernel, method: str
 ) -> Iterator[Row]:
     """Mass, interfaces, frequencies, impulse responses and how they were made."""
     yield "mass", f"{mass:.6g} kg"

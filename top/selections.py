@@ -6,15 +6,7 @@ du.plane(x=0.0) & du.box([0.0, 0.0, 0.0], [0.0, 0.1, 0.1])
 from collections.abc import Sequence
 
 from duhamel.inputs import InputError
-from duhamel.preprocess.body.selection import (
-    Box,
-    Cylinder,
-    Face,
-    Hole,
-    Plane,
-    Selection,
-    Sphere,
-)
+from duhamel.preprocess.body.selection import Box, Cylinder, Face, Hole, Plane, Selection, Sphere
 from numpy.typing import ArrayLike
 
 from .vectors import vector
@@ -90,12 +82,7 @@ def sphere(center: ArrayLike, radius: float, *, tolerance: float = 1e-6) -> Sele
 
 
 def cylinder(
-    start: ArrayLike,
-    end: ArrayLike,
-    radius: float,
-    *,
-    inner: float = 0.0,
-    tolerance: float = 1e-6,
+    start: ArrayLike, end: ArrayLike, radius: float, *, inner: float = 0.0, tolerance: float = 1e-6
 ) -> Selection:
     """Facets, or nodes of beams, within a cylinder; with inner = radius those on its surface.
 

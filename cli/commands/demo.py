@@ -13,10 +13,7 @@ from ..failures import errors_in_one_line, one_line
 from .schema import schema_of
 
 DEMO_STARTER: Literal["mechanism"] = "mechanism"
-DemoFolder = Annotated[
-    Path,
-    typer.Argument(metavar="FOLDER", help="A new or an empty one."),
-]
+DemoFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="A new or an empty one.")]
 # Enough for an eye, and a quarter of what a film has by default.
 FILM_FRAMES, FILM_SIZE = 60, (640, 360)
 

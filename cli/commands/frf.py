@@ -19,8 +19,7 @@ From = Annotated[
 ]
 To = Annotated[list[str], typer.Option("--to", metavar="QUANTITY", help="As `plot` names them.")]
 Band = Annotated[
-    tuple[float, float] | None,
-    typer.Option(metavar="FROM TO", help="Frequencies [Hz]."),
+    tuple[float, float] | None, typer.Option(metavar="FROM TO", help="Frequencies [Hz].")
 ]
 Points = Annotated[
     int, typer.Option(min=2, max=100_000, help="Frequencies of the band, beside resonances.")

@@ -193,10 +193,7 @@ def _gains_of_joint(text: str) -> tuple[str, tuple[float, float]]:
     stiffness, comma, damping = values.partition(",")
     if not comma:
         raise typer.BadParameter(f"--servo-of: expected JOINT=KP,KD, got {text!r}")
-    return joint, (
-        _number("--servo-of", joint, stiffness),
-        _number("--servo-of", joint, damping),
-    )
+    return joint, (_number("--servo-of", joint, stiffness), _number("--servo-of", joint, damping))
 
 
 def _pair(option: str, text: str, form: str) -> tuple[str, str]:

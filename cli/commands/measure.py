@@ -82,8 +82,7 @@ BandOfTest = Annotated[
     ),
 ]
 WindowRate = Annotated[
-    float,
-    typer.Option(metavar="RATE", min=0.0, help="Exponential, of a plan that is made [1/s]."),
+    float, typer.Option(metavar="RATE", min=0.0, help="Exponential, of a plan that is made [1/s].")
 ]
 SensorMass = Annotated[
     float, typer.Option(metavar="KG", min=0.0, help="Of each sensor of a plan that is made.")

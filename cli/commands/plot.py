@@ -42,8 +42,7 @@ Arguments = Annotated[
 ]
 Picture = Annotated[Path | None, output_option("FILE.png|svg|pdf")]
 Names = Annotated[
-    str | None,
-    typer.Option(metavar="NAME,NAME", help="Of several files, in the legend."),
+    str | None, typer.Option(metavar="NAME,NAME", help="Of several files, in the legend.")
 ]
 Size = Annotated[
     str | None, typer.Option(metavar="WIDTHxHEIGHT", help="Of the picture in inches, as 8x5.")

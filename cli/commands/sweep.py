@@ -11,8 +11,7 @@ from ..failures import errors_in_one_line, one_line
 from .plot import plot_summary
 
 StudyFile = Annotated[
-    Path,
-    file_argument("STUDY.toml", "A model or body, and values of its parameters.", TOML_SUFFIX),
+    Path, file_argument("STUDY.toml", "A model or body, and values of its parameters.", TOML_SUFFIX)
 ]
 StudyFolder = Annotated[
     Path | None, output_option("FOLDER", "The cases: STUDY beside the study file.")

@@ -9,10 +9,7 @@ from ..failures import errors_in_one_line
 from .init import tell_next
 from .schema import schema_of
 
-TutorialFolder = Annotated[
-    Path,
-    typer.Argument(metavar="FOLDER", help="A new or an empty one."),
-]
+TutorialFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="A new or an empty one.")]
 
 
 def tutorial(folder: TutorialFolder = Path("duhamel-tutorial")) -> None:

@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     AnyMesh = Path | Mesh
 else:
     AnyMesh = Annotated[
-        Path,
-        Field(strict=False),
-        WrapValidator(_mesh_or_path),
-        PlainSerializer(_mesh_in_words),
+        Path, Field(strict=False), WrapValidator(_mesh_or_path), PlainSerializer(_mesh_in_words)
     ]
     """the path of a mesh file or, of a body that is made in Python, a mesh"""

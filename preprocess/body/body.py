@@ -4,21 +4,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    ConfigDict,
-    Field,
-    NonNegativeFloat,
-    PositiveFloat,
-)
+from pydantic import ConfigDict, Field, NonNegativeFloat, PositiveFloat
 
-from ...inputs import (
-    FORM_OF_NAMES,
-    Table,
-    expected,
-    is_name,
-    quoted,
-    rule,
-)
+from ...inputs import FORM_OF_NAMES, Table, expected, is_name, quoted, rule
 from ...superelement import sha256
 from ..mesh.mesh import Mesh
 from .any_mesh import AnyMesh

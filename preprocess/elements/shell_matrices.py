@@ -37,10 +37,7 @@ def shell_batches(mesh: Mesh, owners: IntArray) -> Iterator[ShellBatch]:
 
 
 def shell_matrices(
-    mesh: Mesh,
-    shells: Mapping[str, Shells],
-    laminates: Sequence[Laminate],
-    owners: IntArray,
+    mesh: Mesh, shells: Mapping[str, Shells], laminates: Sequence[Laminate], owners: IntArray
 ) -> tuple[Any, Any]:
     """Stiffness and consistent mass (6 n, 6 n), sparse, symmetric to the last bit.
 

@@ -18,10 +18,7 @@ STRAIN_BATCH = 2**20  # numbers in the strains of a batch of elements
 
 
 def strain_rows(
-    mesh: Mesh,
-    points: Mapping[str, IntArray],
-    materials: Sequence[Material],
-    owners: IntArray,
+    mesh: Mesh, points: Mapping[str, IntArray], materials: Sequence[Material], owners: IntArray
 ) -> Any:
     """Rows (6 p, 3 n), sparse: strains at p points from displacements of n nodes.
 

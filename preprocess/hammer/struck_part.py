@@ -53,11 +53,7 @@ def solids_of(body: Body) -> SolidSource:
 
 
 def struck_part(
-    body: Body,
-    points: dict[str, Array],
-    pushes: dict[str, Array],
-    highest: float,
-    stages: Stages,
+    body: Body, points: dict[str, Array], pushes: dict[str, Array], highest: float, stages: Stages
 ) -> StruckPart:
     """The part of a body file at points (3,) [m] in its axes, right up to a frequency [Hz].
 

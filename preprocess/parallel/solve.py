@@ -12,13 +12,7 @@ from ..assembly.structure import Structure
 from ..body.impulse import SolverName
 from ..errors import MemoryShortageError, MethodError
 from ..solving.cost import MAX_PLAIN_STEPS, basis_bytes, factor_cost, gradient_cost, gradient_steps
-from ..solving.factor import (
-    COARSER_MESH_ADVICE,
-    MAX_FACTOR_RESIDUAL,
-    Factor,
-    Solve,
-    not_definite,
-)
+from ..solving.factor import COARSER_MESH_ADVICE, MAX_FACTOR_RESIDUAL, Factor, Solve, not_definite
 from ..solving.gradients import ColumnGradients, Columns, Goal
 from ..solving.refined import SHARE_OF_ACCURACY
 from ..solving.solver import COMPACT_SHARE, Patient, SolverFactory, condition, shifted_product

@@ -26,10 +26,7 @@ def with_losses(body: Body, structure: Structure, modes: Modes, shapes: Shapes) 
         return modes
     shares = {name: _energy(shapes, K) / modes.omega**2 for name, K in structure.lossy.items()}
     chain = replace(
-        modes.chain,
-        amplitude=amplitudes(body, shares),
-        loss_factor=0.0,
-        ripple=ripple_of(body),
+        modes.chain, amplitude=amplitudes(body, shares), loss_factor=0.0, ripple=ripple_of(body)
     )
     return replace(modes, chain=chain)
 

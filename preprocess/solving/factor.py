@@ -44,10 +44,7 @@ class Factor:
 
 
 def factorize(
-    matrix: Any,
-    name: str,
-    beside: Mapping[str, float] = NO_NEEDS,
-    solvers: list[str] | None = None,
+    matrix: Any, name: str, beside: Mapping[str, float] = NO_NEEDS, solvers: list[str] | None = None
 ) -> Factor:
     """Factorize a sparse symmetric positive definite matrix (n, n) with rslab, or the next library.
 

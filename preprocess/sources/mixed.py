@@ -10,13 +10,7 @@ import scipy.sparse as sp
 
 from ...superelement.cells import padded
 from ...superelement.validation import Array
-from ..assembly.interfaces import (
-    Attachment,
-    check_spread,
-    nodal_frame,
-    point_frame,
-    section_frame,
-)
+from ..assembly.interfaces import Attachment, check_spread, nodal_frame, point_frame, section_frame
 from ..assembly.selected import check_elements, mesh_nodes, nearest_node
 from ..assembly.source import FacePoints, FieldPoints, Resolution, Share
 from ..assembly.surface import mean_motion_of_sections
@@ -313,10 +307,7 @@ def _together(source: MixedSource, solids: FieldPoints, shells: FieldPoints) -> 
             solids.stress_rows(still), shells.stress_rows(u, turns=w)
         )
     count = len(solids.nodes)
-    cells = [
-        solids.cells,
-        np.where(shells.cells >= 0, shells.cells + count, -1),
-    ]
+    cells = [solids.cells, np.where(shells.cells >= 0, shells.cells + count, -1)]
     nodes = np.concatenate([parts.of_solids[solids.nodes], parts.of_shells[shells.nodes]])
     labels = source.mesh.labels
     return _MixedPoints(

@@ -9,13 +9,7 @@ import numpy as np
 
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, nodal_frame, section_frame
-from ..assembly.selected import (
-    check_elements,
-    mesh_facets,
-    mesh_nodes,
-    names_points,
-    nearest_node,
-)
+from ..assembly.selected import check_elements, mesh_facets, mesh_nodes, names_points, nearest_node
 from ..assembly.source import FieldPoints, Resolution, Share
 from ..body.body import Body
 from ..body.loads import LoadPattern

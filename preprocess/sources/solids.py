@@ -11,13 +11,7 @@ import scipy.sparse as sp
 from ...cad import CadGeometry
 from ...superelement.validation import Array
 from ..assembly.interfaces import Attachment, facet_frame, nodal_frame, point_frame
-from ..assembly.selected import (
-    check_elements,
-    mesh_facets,
-    mesh_nodes,
-    names_points,
-    nearest_node,
-)
+from ..assembly.selected import check_elements, mesh_facets, mesh_nodes, names_points, nearest_node
 from ..assembly.source import FieldPoints, Resolution, Share
 from ..assembly.surface import Surface, surface
 from ..body.body import Body

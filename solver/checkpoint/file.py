@@ -67,8 +67,13 @@ class StateFile:
                 **self.notes,
             )
             file["identity"] = np.frombuffer(text.encode(), dtype=np.uint8)
+            groups: dict[str, h5py.Group] = {}
             for name, array in self.snapshot.arrays.items():
-                file.create_dataset(f"arrays/{name}", data=array)
+                folder, _, last = f"arrays/{name}".rpartition("/")
+                # Looked up once: for each array it takes as long as the array itself.
+                if folder not in groups:
+                    groups[folder] = file.require_group(folder)
+                groups[folder].create_dataset(last, data=array)
             file.flush()
             image: bytes = file.id.get_file_image()
         return image + hashlib.sha256(image).digest()
@@ -78,9 +83,15 @@ def read_state(path: Path) -> StateFile:
     """The state in a file; `StateError` in one line for a file that is none, or damaged."""
     with failures_named(path, StateError, "state"), h5py.File(_whole(path), "r") as file:
         _check_format(file)
-        text = _array(file, "identity", "u1").tobytes().decode()
-        names = _names(file["arrays"])
-        arrays = {name: _array(file, f"arrays/{name}", *ARRAY_KINDS) for name in names}
+        text = _array("identity", file["identity"], "u1").tobytes().decode()
+        arrays: dict[str, Any] = {}
+
+        def keep(name: str, found: h5py.Group | h5py.Dataset) -> None:
+            if isinstance(found, h5py.Dataset):
+                arrays[name] = _array(f"arrays/{name}", found, *ARRAY_KINDS)
+
+        # It does not follow links, which might lead out of the file.
+        file["arrays"].visititems(keep)
         attributes = dict(file.attrs)
         return StateFile(
             Snapshot(int(attributes.pop("step")), arrays),
@@ -114,17 +125,8 @@ def _check_format(file: h5py.File) -> None:
         raise StateError(f"state of version {version}; this Duhamel reads version {STATE_VERSION}")
 
 
-def _names(group: h5py.Group) -> list[str]:
-    """The arrays in a group and below it, links not followed."""
-    names: list[str] = []
-    # `visit` does not follow links, which might lead out of the file.
-    group.visit(names.append)
-    return [name for name in names if isinstance(group[name], h5py.Dataset)]
-
-
-def _array(file: h5py.File, name: str, *kinds: str) -> Any:
+def _array(name: str, dataset: h5py.Dataset, *kinds: str) -> Any:
     """An array that lies in the file as a whole, so that it is no larger than the file."""
-    dataset = file[name]
     # A small file may declare terabytes, compressed or not stored at all.
     stored = dataset.id.get_storage_size() == dataset.nbytes and dataset.chunks is None
     if not stored or dataset.external or dataset.is_virtual or dataset.dtype not in kinds:

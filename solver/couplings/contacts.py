@@ -289,11 +289,7 @@ class Contact(CarriedShape, Entry, Coupling):
     def _check_force(self) -> None:
         if self.hertz is not None and self.points is not None:
             raise self.error("hertz: a profile has no radius: expected stiffness or law")
-        given = {
-            "hertz": self.hertz,
-            "stiffness": self.impact.stiffness,
-            "law": self.impact.law,
-        }
+        given = {"hertz": self.hertz, "stiffness": self.impact.stiffness, "law": self.impact.law}
         present = [name for name, value in given.items() if value is not None]
         if len(present) != 1:
             found = " and ".join(present) or "none"

@@ -174,10 +174,7 @@ class _Recorder:
         lowered = self.pose.lowered
         n = 1 + len(DIFFERENCE_POINTS) * len(directions)
         run = Run(
-            system=self.system,
-            state=self.state,
-            work=self.work,
-            output=make_output(lowered, n),
+            system=self.system, state=self.state, work=self.work, output=make_output(lowered, n)
         )
         kept = (*self.state.arrays(), *self.work.couplings.arrays())
         before_all = [array.copy() for array in kept]

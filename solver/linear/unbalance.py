@@ -133,10 +133,7 @@ def _peak(
 
 
 def unbalance_response(
-    model: Model,
-    unbalance: Mapping[str, complex],
-    spins: Sequence[float],
-    progress: bool = False,
+    model: Model, unbalance: Mapping[str, complex], spins: Sequence[float], progress: bool = False
 ) -> UnbalanceResponse:
     """Synchronous orbits of a rotor on bearings under unbalance, over its spin.
 

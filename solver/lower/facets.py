@@ -20,10 +20,7 @@ MOST_NODES = 9
 """nodes of a facet, the most of all types"""
 MOST_CORNERS = 4
 """corners of a facet, likewise"""
-TRIANGLE_POINTS = (
-    (0.445948490915965, 0.223381589678011),
-    (0.091576213509771, 0.109951743655322),
-)
+TRIANGLE_POINTS = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
 """coordinate and weight of two sets of three points, of which the weights sum to 1"""
 
 

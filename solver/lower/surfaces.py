@@ -250,12 +250,7 @@ class _Motion:
 
 
 def _motion(
-    model: Model,
-    name: str,
-    patches: Sequence[Patch],
-    e: int,
-    elastic: Elastic,
-    stepping: Stepping,
+    model: Model, name: str, patches: Sequence[Patch], e: int, elastic: Elastic, stepping: Stepping
 ) -> _Motion:
     element, second = model.flexible_bodies[name].superelement, model.flexible_bodies[name].rotation
     surfaces, modes = element.surfaces, element.modes

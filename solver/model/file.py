@@ -42,15 +42,7 @@ from ..schema.tables import (
 )
 from ..schema.values import ZERO_VECTOR
 from ..signals.signal import SIGNAL_FORMS
-from .bodies import (
-    Body,
-    FlexibleBody,
-    Frame,
-    RigidBody,
-    RigidSuperelement,
-    SecondOrder,
-    Start,
-)
+from .bodies import Body, FlexibleBody, Frame, RigidBody, RigidSuperelement, SecondOrder, Start
 from .body_shapes import BODY_SHAPES
 from .fmus import FMU
 from .loads import LOADS

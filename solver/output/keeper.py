@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Protocol
 
 from ...files.outputs import in_words, remove_orphans, replace_durably, resolved
@@ -109,12 +108,7 @@ class FileKeeper:
     def __enter__(self) -> "FileKeeper":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         if not self._writer.place.exists():
             forget_checkpoint(self._writer)  # of a run that was abandoned
         elif not isinstance(error, ResultsError):  # the disk is full

@@ -284,14 +284,10 @@ _LIST = (
         lambda r: r.shortest[len(r.subjects.contacts) :],
     ),
     Measure(
-        "set_changes",
-        lambda s: [""] if s.lowered.model.surface_contacts else [],
-        _set_changes,
+        "set_changes", lambda s: [""] if s.lowered.model.surface_contacts else [], _set_changes
     ),
     Measure(
-        "contact_arm",
-        lambda s: s.of_couplings(s.contacts[s.carried], "contact"),
-        _contact_arms,
+        "contact_arm", lambda s: s.of_couplings(s.contacts[s.carried], "contact"), _contact_arms
     ),
     Measure(
         "contact_depth",

@@ -1,7 +1,6 @@
 """A buffer for rows of output, written when it is full or a second old."""
 
 import time
-from types import TracebackType
 
 import numpy as np
 
@@ -95,12 +94,7 @@ class Recorder:
         self.write()
         self._writer.flush()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         # A run that fails in its first step has nothing to show for earlier results.
         if error is not None and self._taken == 0 and self._writer.abandon():
             return

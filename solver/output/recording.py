@@ -2,7 +2,6 @@
 
 import time
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 
@@ -60,21 +59,11 @@ class Recording:
         self._writer.leave()
         return read_back(self._writer, self._lowered.model)
 
-    def abandon(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def abandon(self, kind: object, error: BaseException | None, trace: object) -> None:
         """End the file after an error, with the steps before it, as a run that fails does."""
         self._end(kind, error, trace)
         self._writer.leave()
 
-    def _end(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def _end(self, kind: object, error: BaseException | None, trace: object) -> None:
         self._writer.check(self._monitor.values(self._state, self._last - self._begin))
         self._recorder.__exit__(kind, error, trace)

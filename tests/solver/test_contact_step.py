@@ -258,16 +258,23 @@ def test_rows_of_both_sizes_follow_each_other():
     assert len(all_rows.time) / len(every.time) == pytest.approx(7.0, rel=0.05)
 
 
-@pytest.mark.parametrize("every", [1, 3])
+@pytest.fixture(scope="module", params=[1, 3])
+def whole(request, element, tmp_path_factory):
+    """A model that records every so many steps, and the file of its run."""
+    model = falling_bar(element, 1e-4, 1e-6, t_end=4e-3, output=OutputRequest(every=request.param))
+    file = tmp_path_factory.mktemp("whole") / "whole.h5"
+    simulate(model, output=file)
+    return model, file
+
+
 @pytest.mark.parametrize("part", [0.8e-3, 1.1e-3, 2.3e-3])
-def test_a_run_in_parts_is_that_in_one_to_the_bit(element, every, part, tmp_path):
+def test_a_run_in_parts_is_that_in_one_to_the_bit(whole, part, tmp_path):
     """The state is kept in flight, and while a contact is closed."""
-    model = falling_bar(element, 1e-4, 1e-6, t_end=4e-3, output=OutputRequest(every=every))
-    simulate(model, output=tmp_path / "whole.h5")
+    model, file = whole
     kept = replace(model, settings=replace(model.settings, checkpoint=60.0))
     simulate(kept.with_settings(t_end=part), output=tmp_path / "parts.h5")
     simulate(kept, output=tmp_path / "parts.h5", resume=True)
-    assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
+    assert_same(tmp_path / "parts.h5", file)
 
 
 def test_so_is_one_that_was_interrupted_in_contact(element, monkeypatch, tmp_path):

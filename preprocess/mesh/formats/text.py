@@ -26,10 +26,7 @@ Included = Callable[[str], str | None]
 
 
 def lines(
-    path: Path,
-    included: Included,
-    read: list[Path] | None = None,
-    inside: tuple[Path, ...] = (),
+    path: Path, included: Included, read: list[Path] | None = None, inside: tuple[Path, ...] = ()
 ) -> Iterator[Line]:
     """The lines of a file and of the files that it includes.
 
