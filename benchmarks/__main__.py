@@ -38,7 +38,7 @@ PROGRAMS = {
     "assembly": ("--large", "--small"),
     "preprocess": ("--sizes 20 50 100 160", "--sizes 20 --patience 20"),
     "large": ("--sizes 100 160 285 500 --solvers auto iterative", "--sizes 20 --solvers auto"),
-    "reduction": ("8", "3"),
+    "reduction": ("8", "5"),
     "mesh_and_test": ("", ""),
     "beside_lmfbs": ("", ""),
 }
