@@ -113,8 +113,8 @@ soak: $(VENV)/.installed ## ten million steps, two hundred bodies, every bad val
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
 	nice $(BIN)/python tools/mutate.py $(CORE)
 
-benchmark: $(VENV)/.validation ## timed work; where there is a peer, as ratios measured in the same run
-	@set -e; for program in benchmarks/*.py; do echo "$$program"; $(BIN)/python "$$program"; done
+benchmark: $(VENV)/.validation ## timed work and ratios to peers, in build/benchmarks.md; takes 90 minutes
+	$(BIN)/python benchmarks
 
 docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
 	$(BIN)/python tools/draw_architecture.py

@@ -2,7 +2,7 @@
 run.
 
 Each measurement has a process of its own: CPU time on one thread, and peak memory with mesh and
-imports. Run as `python benchmarks/assembly.py [--large]`.
+imports. Run as `python benchmarks/assembly.py [--large | --small]`.
 """
 
 import os
@@ -78,8 +78,11 @@ def alone(*work: Any) -> list[float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser()
-    parser.add_argument("--large", action="store_true", help="287 000 unknowns too")
-    sizes = [*SIZES, LARGE] if parser.parse_args().large else SIZES
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--large", action="store_true", help="287 000 unknowns too")
+    size.add_argument("--small", action="store_true", help="20 000 unknowns alone")
+    chosen = parser.parse_args()
+    sizes = SIZES[:1] if chosen.small else [*SIZES, LARGE][: len(SIZES) + chosen.large]
     print(
         f"{'unknowns':>10}{'ours':>10}{'scikit-fem':>12}{'ratio':>8}{'peak':>10}{'scikit-fem':>12}"
     )

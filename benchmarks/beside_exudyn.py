@@ -5,8 +5,8 @@ take turns. Exudyn records the position of one tip at every step, ours all that 
 asked for less, in memory. Both integrate by generalized-alpha of spectral radius 0.9, with the same
 steps. `left`: how far Newton's method leaves the tip from where the least tolerance gets it; `from
 ours`: the largest distance between the tips of the codes. Needs the extra `validation`. Run as
-`python benchmarks/beside_exudyn.py [--large] [--repeats N]`; `--large` adds a pendulum of 286 875
-unknowns.
+`python benchmarks/beside_exudyn.py [--large | --small] [--repeats N]`; `--large` adds a pendulum of
+286 875 unknowns, `--small` leaves pendulums and chains of more than one bar out.
 """
 
 import os
@@ -245,7 +245,9 @@ def our_chain(bar: Superelement, n: int, t_end: float) -> Model:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="The cost of a step beside Exudyn.")
-    parser.add_argument("--large", action="store_true", help="a pendulum of 286 875 unknowns too")
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--large", action="store_true", help="a pendulum of 286 875 unknowns too")
+    size.add_argument("--small", action="store_true", help="Case 1 and one bar alone")
     parser.add_argument("--repeats", type=int, default=3, help="of every measurement")
     chosen = parser.parse_args()
     packages = ("duhamel", "numba", "numpy", "exudyn")
@@ -259,11 +261,12 @@ def main() -> None:
         whole_calls(chosen.repeats)
         heading("Case 1")
         case_1(folder, chosen.repeats)
-        heading("pendulum, unknowns")
-        for bar in (MIDDLE, LARGE)[: 1 + chosen.large]:
+        if not chosen.small:
+            heading("pendulum, unknowns")
+        for bar in (MIDDLE, LARGE)[: 1 - chosen.small + chosen.large]:
             chains(bar, (1,), folder, chosen.repeats)
         heading("chain, unknowns")
-        chains(SMALL, CHAINS, folder, chosen.repeats)
+        chains(SMALL, CHAINS[:1] if chosen.small else CHAINS, folder, chosen.repeats)
 
 
 def heading(first: str) -> None:

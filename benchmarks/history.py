@@ -37,7 +37,7 @@ def advance(system: System, state: State, work: Workspace, loads: Array) -> None
         start_history(system.elastic, system.scheme, state, work)
         work.interfaces.p_n[:] = state.interfaces.p
         state.interfaces.p[:] = p
-        finish_history(system.elastic, system.scheme, state, work)
+        finish_history(system, state, work)
         state.step[0] += 1
 
 

@@ -15,12 +15,10 @@ import contextlib
 import os
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
@@ -28,6 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "preprocess"))
 from blocks import solid_cells
 from solids.bracket import HEIGHT, LENGTH, THICKNESS, body_of
 from solids.measuring import Measurement, alone, measured, table_of
+from solids.solving import counted
 
 SIZES = (100, 160)
 """thousands of unknowns, unless others are asked for"""
@@ -98,44 +97,6 @@ def superelement(folder: Path, solver: str) -> Measurement:
         "modes": len(bracket.modes.omega),
         "error": bracket.kernel.error,
     }
-
-
-@contextlib.contextmanager
-def counted() -> Iterator[Measurement]:
-    """Seconds before the first solve, and of solves; blocks, and iterations of all solves."""
-    from duhamel.preprocess.responses.krylov import KrylovSpace
-    from duhamel.preprocess.solving.factor import Factor
-    from duhamel.preprocess.solving.refined import RefinedGradients
-
-    spent: Measurement = {"set-up": 0.0, "solves": 0.0, "blocks": 0, "iterations": 0}
-    create, grow = KrylovSpace.__init__, KrylovSpace.grow
-
-    def created(self: Any, *arguments: Any, **keywords: Any) -> None:
-        start, solves = time.perf_counter(), spent["solves"]
-        create(self, *arguments, **keywords)
-        spent["set-up"] = time.perf_counter() - start - (spent["solves"] - solves)
-
-    def grown(self: Any) -> bool:
-        spent["blocks"] += 1
-        return grow(self)
-
-    def timed(solve: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-        def solved(self: Any, b: Any) -> Any:
-            start = time.perf_counter()
-            x = solve(self, b)
-            spent["solves"] += time.perf_counter() - start
-            spent["iterations"] += getattr(self, "iterations", [0])[-1]
-            return x
-
-        return solved
-
-    with (
-        mock.patch.object(KrylovSpace, "__init__", created),
-        mock.patch.object(KrylovSpace, "grow", grown),
-        mock.patch.object(Factor, "__call__", timed(Factor.__call__)),
-        mock.patch.object(RefinedGradients, "__call__", timed(RefinedGradients.__call__)),
-    ):
-        yield spent
 
 
 def difference(folder: Path, found: str, better: str) -> Measurement:

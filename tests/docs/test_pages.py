@@ -1,6 +1,7 @@
 """Links and names of files on the pages lead somewhere, and the orders there are those kept."""
 
 import re
+import runpy
 
 import pytest
 from import_order import PACKAGES, ROOMS, ROOT
@@ -37,6 +38,15 @@ def test_every_problem_of_validation_is_on_its_page():
     text = (ROOT / "docs" / "validation.md").read_text()
     problems = (ROOT / "tests" / "validation").glob("test_*.py")
     assert [path.name for path in problems if f"`{path.name}`" not in text] == []
+
+
+def test_every_benchmark_is_run_and_on_its_page():
+    programs = runpy.run_path(str(ROOT / "benchmarks" / "__main__.py"))["PROGRAMS"]
+    files = {path.stem for path in (ROOT / "benchmarks").glob("*.py")} - {"__main__"}
+    assert set(programs) == files
+    text = (ROOT / "docs" / "performance.md").read_text()
+    commands = [f"{name}.py {programs[name][0]}".strip() for name in programs]
+    assert [command for command in commands if f"`{command}`" not in text] == []
 
 
 def test_files_that_are_named_exist():
