@@ -132,7 +132,7 @@ def fit_model(
         raise StudyError("series: expected times and values by quantity, found none")
     if isinstance(sigma, Mapping) and sigma.keys() != series.keys():
         raise StudyError(f"sigma: expected one for each of {', '.join(series)}, or one number")
-    deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma or 0.0)
+    deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma)
     measured = [
         _series(quantity, time, values, deviations[quantity])
         for quantity, (time, values) in series.items()
@@ -140,17 +140,19 @@ def fit_model(
     return _fitted(family, starts, measured, shift)
 
 
-def _series(quantity: str, time: ArrayLike, values: ArrayLike, sigma: float) -> MeasuredSeries:
+def _series(
+    quantity: str, time: ArrayLike, values: ArrayLike, sigma: float | None
+) -> MeasuredSeries:
     t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if t.ndim != 1 or t.shape != y.shape or not np.isfinite([t, y]).all():
         raise StudyError(
             f"series {quantity!r}: expected times and values (n,) that are finite, found "
             f"{t.shape} and {y.shape}"
         )
-    if not (np.isfinite(sigma) and sigma >= 0.0):
+    if sigma is not None and not 0.0 < sigma < np.inf:
         raise StudyError(f"series {quantity!r}: expected sigma above 0, found {sigma}")
     check_times(t, f"series {quantity!r}")
-    return MeasuredSeries(f"series {quantity!r}", quantity, t, y, float(sigma))
+    return MeasuredSeries(f"series {quantity!r}", quantity, t, y, float(sigma or 0.0))
 
 
 def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..files.arrays import Array
 from ..results import Results, SeriesError
 from ..solver import simulate
+from .central_differences import central_differences
 from .differences import DIFFERENCE_STEPS, slopes_of
 from .errors import StudyError
 from .goals import Goals
@@ -64,6 +65,7 @@ class OptimizeProblem:
     ) -> None:
         self._family, self.axes, self.goals, self._most_runs = family, axes, goals, most_runs
         self.runs, self.failed = 0, 0
+        self._share = ""
         self.has_ended = False
         """whether runs are made for the report alone, beyond those of the search"""
         self.failure = ""
@@ -113,11 +115,11 @@ class OptimizeProblem:
     def some_runs(self, share: float) -> Iterator[None]:
         """Let a search make a share of the runs alone."""
         most = self._most_runs
-        self._most_runs = int(share * most)
+        self._most_runs, self._share = int(share * most), f", {100.0 * share:.0f} % of them here"
         try:
             yield
         finally:
-            self._most_runs = most
+            self._most_runs, self._share = most, ""
 
     def rescale(self, inner: Array) -> None:
         """Count the objective by its slope here."""
@@ -266,34 +268,18 @@ class OptimizeProblem:
         values, base = self.values(inner), self._known[inner.tobytes()]
         if base is None:
             raise SearchStoppedError(f"a run failed: {self.failure}")
-        ends = [
-            axis.ends(values[axis.name], step)
-            for axis, step in zip(self.axes, self._steps.tolist(), strict=True)
-        ]
-        points = [
-            {**values, axis.name: end}
-            for axis, both in zip(self.axes, ends, strict=True)
-            for end in both
-        ]
-        found = [
-            None if isinstance(part := self._vector(at, run), str) else np.concatenate(part)
-            for at, run in zip(points, self._runs(points), strict=True)
-        ]
-        columns: list[Array] = []
-        for axis, (high, low), ahead, back in zip(
-            self.axes, ends, found[::2], found[1::2], strict=True
-        ):
-            at = values[axis.name]
-            if ahead is None and back is None:
-                raise SearchStoppedError(
-                    f"the model does not run beside {axis.name} = {at:.9g}: {self.failure}"
-                )
-            if ahead is None or back is None:
-                high, low = (at, low) if ahead is None else (high, at)
-            ahead, back = (base if one is None else one for one in (ahead, back))
-            self.moves[len(columns)] |= (ahead != base) | (back != base)
-            columns.append((ahead - back) / (high - low) * axis.slope(at))
-        return np.array(columns).T
+        try:
+            slopes, changes = central_differences(
+                self.axes, values, base, self._numbers_of_runs, self._steps.tolist()
+            )
+        except StudyError as error:
+            raise SearchStoppedError(str(error)) from error
+        self.moves |= changes.T > 0.0
+        return slopes
+
+    def _numbers_of_runs(self, points: Sequence[Mapping[str, float]]) -> list[Array | str]:
+        found = [self._vector(at, run) for at, run in zip(points, self._runs(points), strict=True)]
+        return [part if isinstance(part, str) else np.concatenate(part) for part in found]
 
     def _choose_steps(self, base: Array) -> list[str]:
         """Wide steps of the parameters by which goals switch; their names.
@@ -323,8 +309,10 @@ class OptimizeProblem:
                     step = above or below
                     points += [start | {axis.name: axis.start + part * step} for part in (0.5, 1.0)]
                     places.append((i, j, (4.0, -1.0, -3.0), step))
-        runs = self._runs(points)
-        ends = [self._numbers_at(tops, at, run) for at, run in zip(points, runs, strict=True)]
+        ends = [
+            np.full(len(tops), np.nan) if isinstance(one, str) else one[tops]
+            for one in self._numbers_of_runs(points)
+        ]
         differences = np.full((len(self.axes), len(widths), len(self._lengths)), np.nan)
         for (i, j, weights, width), first, last in zip(places, ends[::2], ends[1::2], strict=True):
             slope = self.axes[i].slope(start[self.axes[i].name]) / width
@@ -338,15 +326,9 @@ class OptimizeProblem:
                 uneven.append(axis.name)
         return uneven
 
-    def _numbers_at(
-        self, rows: NDArray[np.intp], values: Mapping[str, float], run: Results | Exception
-    ) -> Array:
-        found = self._vector(values, run)
-        return np.full(len(rows), np.nan) if isinstance(found, str) else np.concatenate(found)[rows]
-
     def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
         if self.runs + len(points) > self._most_runs and not self.has_ended:
-            raise SearchStoppedError(f"the limit of {self._most_runs} runs")
+            raise SearchStoppedError(f"the limit of {self.goals.table.runs} runs{self._share}")
         self.runs += len(points)
         found = runs_at(self._family, points)
         for one in found:

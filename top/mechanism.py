@@ -645,7 +645,11 @@ class Mechanism:
         >>> m.with_values({"m": "bodies.ball.mass"}, {"m": 3.0}).bodies["ball"].mass
         3.0
         """
-        return self._of(self._varied(parameters, None, None, {}).make(**values))
+        from .varied import VariedMechanism
+
+        return self._of(
+            VariedMechanism(self, parameters, self._settings(None, None, {})).at(values)
+        )
 
     def _varied(
         self,

@@ -66,8 +66,9 @@ class Differentiation:
         `DerivativeError` for what is not covered, and for a parameter that changes more of the
         model than its numbers.
         """
-        with about(self._make(values).path), one_blas_thread():
-            start = self._start(values)
+        model = self._make(values)
+        with about(model.path), one_blas_thread():
+            start = start_of(model, recorded_rows)
             check_scope(start.lowered)
             seeds = {}
             for name, scale in self._scales.items():
