@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..files import require_no_input
 from ..solver import Model
+from .dual_slopes import check_derivatives
 from .errors import StudyError
 from .fit_problem import FitProblem
 from .measured_series import MeasuredSeries, check_times, read_series
@@ -89,6 +90,7 @@ def fit_model(
     *,
     sigma: float | Mapping[str, float] | None = None,
     shift: bool = False,
+    derivatives: str = "differences",
 ) -> ModelFit:
     """Fit parameters of a model in memory, or of a function that makes one, to measured series.
 
@@ -104,6 +106,8 @@ def fit_model(
         The standard deviation of the noise, of all series or by quantity.
     shift : bool
         Whether the time of all series may be shifted.
+    derivatives : {"differences", "dual"}
+        By two runs for each parameter, or by one run with dual numbers.
 
     Returns
     -------
@@ -137,7 +141,8 @@ def fit_model(
         _series(quantity, time, values, deviations[quantity])
         for quantity, (time, values) in series.items()
     ]
-    return _fitted(family, starts, measured, shift)
+    check_derivatives(derivatives)
+    return _fitted(family, starts, measured, shift, derivatives)
 
 
 def _series(
@@ -165,7 +170,7 @@ def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     if output is not None:
         files = [*study.inputs, *(study.path.parent / one.file for one in table.series)]
         require_no_input(output, files, "an input of the fit")
-    made = _fitted(study.parametrized, study.parameters, series, table.shift)
+    made = _fitted(study.parametrized, study.parameters, series, table.shift, table.derivatives)
     # Written last: a fit that fails leaves no file.
     if output is not None:
         study.write(output, made.values)
@@ -177,6 +182,7 @@ def _fitted(
     parameters: Mapping[str, StudyParameter],
     series: Sequence[MeasuredSeries],
     shift: bool,
+    derivatives: str,
 ) -> ModelFit:
     # Import here: takes a second, and no other study needs it.
     from scipy.optimize import least_squares
@@ -186,7 +192,7 @@ def _fitted(
     if len({one.sigma > 0.0 for one in series}) != 1:
         raise StudyError("fit.series: expected sigma of all series or of none")
     axes = [SearchAxis.of(name, parameter) for name, parameter in parameters.items()]
-    problem = FitProblem(family, axes, series)
+    problem = FitProblem(family, axes, series, derivatives)
     problem.begin(shift)
     axes = problem.axes
     start = np.array([axis.inner(axis.begin) for axis in axes])

@@ -9,6 +9,7 @@ from ..results import Results
 from ..solver import simulate
 from .central_differences import central_differences
 from .covariance import covariance_of
+from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .measured_series import MeasuredSeries
 from .model_fit import FittedParameter, ModelFit
@@ -28,8 +29,13 @@ class FitProblem:
     """Residuals and their derivatives, as the search asks for them."""
 
     def __init__(
-        self, family: Parametrized, axes: list[SearchAxis], series: Sequence[MeasuredSeries]
+        self,
+        family: Parametrized,
+        axes: list[SearchAxis],
+        series: Sequence[MeasuredSeries],
+        derivatives: str,
     ) -> None:
+        self._derivatives, self._notes = derivatives, dict[str, None]()
         self._family, self.axes, self._series = family, axes, series
         # Without sigma each series by its own size: one in rad must not outweigh one in m.
         self._weights = [
@@ -88,11 +94,29 @@ class FitProblem:
             ]
 
         base, steps = self._residuals_of(run, shift), [JACOBIAN_STEP] * len(axes)
-        found, _ = central_differences(axes, values, base, residuals_at, steps)
+        found = self._exact(run, values, shift) if self._derivatives == DUAL else None
+        if found is None:
+            found, _ = central_differences(axes, values, base, residuals_at, steps)
         if len(axes) < len(self.axes):
             by_shift = self._by_shift(run, shift) * self.axes[-1].scale
             found = np.column_stack([found, by_shift])
         return found
+
+    def _exact(self, run: Results, values: Mapping[str, float], shift: float) -> Array | None:
+        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
+        self.runs += runs_with_derivatives(len(axes))
+        found = exact_slopes(
+            self._family,
+            values,
+            {axis.name: axis.scale for axis in axes},
+            run,
+            lambda one, _: self._residuals_of(one, shift),
+            [len(one.time) for one in self._series],
+        )
+        if found is None:
+            self._notes[SWITCH_NOTE] = None
+            return None
+        return found * [axis.slope(values[axis.name]) for axis in axes]
 
     def fit(self, inner: Array, active: Array, converged: bool) -> ModelFit:
         run = self._run(self._values(inner))
@@ -126,7 +150,7 @@ class FitProblem:
             np.array(rms),
             self.runs,
             converged,
-            tuple(run.validity.brief()) if isinstance(run, Results) else (),
+            (*(run.validity.brief() if isinstance(run, Results) else ()), *self._notes),
         )
 
     def _values(self, inner: Array) -> dict[str, float]:

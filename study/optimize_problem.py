@@ -13,6 +13,7 @@ from ..results import Results, SeriesError
 from ..solver import simulate
 from .central_differences import central_differences
 from .differences import DIFFERENCE_STEPS, slopes_of
+from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .goals import Goals
 from .parametrized import Parametrized
@@ -68,6 +69,7 @@ class OptimizeProblem:
         self._share = ""
         self.has_ended = False
         """whether runs are made for the report alone, beyond those of the search"""
+        self.switch_notes: list[str] = []
         self.failure = ""
         """of the first run that failed"""
         self.trials: list[Trial] = []
@@ -93,10 +95,18 @@ class OptimizeProblem:
         self._rows = np.repeat(np.arange(len(first)), self._lengths)
         self._n_terms = len(first) - len(self.goals.limits)
         raw = np.concatenate(first)
-        self.uneven = self._choose_steps(raw)
+        self._known[self.start.tobytes()], self._last = raw, (self.start.tobytes(), results)
         self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
         """whether a parameter has moved a number (n, m)"""
-        self._known[self.start.tobytes()] = raw
+        # Derivatives without steps need none to be chosen.
+        self._dual = self.goals.table.derivatives == DUAL
+        exact = self._exact(self.start) if self._dual else None
+        self.uneven = list[str]()
+        if exact is None:
+            self._steps[:] = JACOBIAN_STEP
+            self.uneven = self._choose_steps(raw)
+        else:
+            self._slopes[self.start.tobytes()] = exact
         sizes = np.abs(self._raw_slopes(self.start)).max(axis=1)
         size = float(sizes[self.is_objective].max())
         self._objective_scale = size / FIRST_STEP or float(np.abs(raw).max()) or 1.0
@@ -173,6 +183,7 @@ class OptimizeProblem:
         new = {one.tobytes(): one for one in points if one.tobytes() not in self._known}
         values = [self.values(one) for one in new.values()]
         for inner, at, run in zip(new.values(), values, self._runs(values), strict=True):
+            self._last = inner.tobytes(), run
             self._keep(inner, at, run, self._vector(at, run))
         return [
             None if (raw := self._known[p.tobytes()]) is None else self._scaled(raw) for p in points
@@ -260,8 +271,39 @@ class OptimizeProblem:
     def _raw_slopes(self, inner: Array) -> Array:
         key = inner.tobytes()
         if key not in self._slopes:
-            self._slopes[key] = self._differences(inner)
+            exact = self._exact(inner) if self._dual else None
+            self._slopes[key] = self._differences(inner) if exact is None else exact
         return self._slopes[key]
+
+    def _exact(self, inner: Array) -> Array | None:
+        """By dual numbers; none where something switches, from where on differences are taken."""
+        key, values = inner.tobytes(), self.values(inner)
+        if self._known[key] is None:
+            return None
+        run = self._last[1] if self._last[0] == key else self._runs([values])[0]
+        if isinstance(run, Exception):
+            return None
+        self._count(runs_with_derivatives(len(self.axes)))
+
+        def numbers(one: Results, at: Mapping[str, float]) -> Array:
+            found = self._vector(at, one)
+            if isinstance(found, str):
+                raise SearchStoppedError(found)
+            return np.concatenate(found)
+
+        scales = {axis.name: axis.scale for axis in self.axes}
+        try:
+            found = exact_slopes(self._family, values, scales, run, numbers, self._lengths)
+        except StudyError as error:
+            raise SearchStoppedError(str(error)) from error
+        if found is None:
+            self._dual, self.switch_notes = False, [SWITCH_NOTE]
+            # What switches is uneven, as differences at the start would have told.
+            self._steps[:] = DIFFERENCE_STEPS[0]
+            return None
+        self.moves |= found.T != 0.0
+        slopes: Array = found * [axis.slope(values[axis.name]) for axis in self.axes]
+        return slopes
 
     def _differences(self, inner: Array) -> Array:
         """Central differences; one-sided where a run on one side fails, or a bound is near."""
@@ -327,12 +369,15 @@ class OptimizeProblem:
         return uneven
 
     def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
-        if self.runs + len(points) > self._most_runs and not self.has_ended:
-            raise SearchStoppedError(f"the limit of {self.goals.table.runs} runs{self._share}")
-        self.runs += len(points)
+        self._count(len(points))
         found = runs_at(self._family, points)
         for one in found:
             if isinstance(one, Exception):
                 self.failed += 1
                 self.failure = self.failure or str(one)
         return found
+
+    def _count(self, runs: int) -> None:
+        if self.runs + runs > self._most_runs and not self.has_ended:
+            raise SearchStoppedError(f"the limit of {self.goals.table.runs} runs{self._share}")
+        self.runs += runs
