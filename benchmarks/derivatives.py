@@ -179,15 +179,17 @@ def duhamel_arm(method: str) -> Derived:
     return derivatives, lambda: simulate(make(**ARM))
 
 
-def mujoco_arm() -> Derived:
+def mujoco_arm(integrator: str) -> Derived:
     """By differences of runs: its own derivatives are those of a step by state and control.
 
-    The one by the torque is `mjd_transitionFD`, chained over all steps.
+    "implicit": the one by the torque is `mjd_transitionFD`, which RK4 does not have, chained over
+    all steps.
     """
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(
-        f"""<mujoco><option timestep="{ARM_STEP}" integrator="RK4" gravity="0 -{GRAVITY} 0"/>
+        f"""<mujoco><option timestep="{ARM_STEP}" integrator="{integrator}"
+        gravity="0 -{GRAVITY} 0"/>
         <worldbody><body><joint name="hinge" axis="0 0 1"/><inertial pos="{CENTER} 0 0" mass="1"
         diaginertia="1e-3 {MOMENT} {MOMENT}"/></body></worldbody>
         <actuator><motor joint="hinge"/></actuator></mujoco>"""
@@ -212,7 +214,8 @@ def mujoco_arm() -> Derived:
             width = 1e-4 * value
             ends = (run(**{**ARM, name: value + side * width}) for side in (1, -1))
             slopes.append((next(ends) - next(ends)) / (2.0 * width))
-        slopes[1] = run(**ARM, chained=True)
+        if integrator == "implicit":
+            slopes[1] = run(**ARM, chained=True)
         return np.array([run(**ARM), *slopes])
 
     return derivatives, lambda: run(**ARM)
@@ -236,7 +239,9 @@ def drake_arm() -> Derived:
         SimulatorConfig,
     )
 
-    config = SimulatorConfig("runge_kutta3", max_step_size=ARM_STEP, use_error_control=False)
+    config = SimulatorConfig(
+        integration_scheme="runge_kutta3", max_step_size=ARM_STEP, use_error_control=False
+    )
     plain = MultibodyPlant(0.0)
     plain.mutable_gravity_field().set_gravity_vector([0.0, -GRAVITY, 0.0])
     moments = [1e-3, MOMENT, MOMENT]
@@ -284,11 +289,13 @@ def report_arm() -> None:
     programs: dict[str, Callable[[], Derived]] = {
         "dual": lambda: duhamel_arm("dual"),
         "differences": lambda: duhamel_arm("differences"),
-        "MuJoCo": mujoco_arm,
+        "MuJoCo, RK4": lambda: mujoco_arm("RK4"),
+        "MuJoCo, implicit": lambda: mujoco_arm("implicit"),
         "Drake": drake_arm,
     }
     for name, make in programs.items():
-        if name in ("MuJoCo", "Drake") and not find_spec({"Drake": "pydrake"}.get(name, "mujoco")):
+        package = {"M": "mujoco", "D": "pydrake"}.get(name[0], "duhamel")
+        if not find_spec(package):
             print(f"    {name}: is not installed")
             continue
         derivatives, run = make()
