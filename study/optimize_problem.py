@@ -95,7 +95,8 @@ class OptimizeProblem:
         self._rows = np.repeat(np.arange(len(first)), self._lengths)
         self._n_terms = len(first) - len(self.goals.limits)
         raw = np.concatenate(first)
-        self._known[self.start.tobytes()], self._last = raw, (self.start.tobytes(), results)
+        self._known[self.start.tobytes()] = raw
+        self._last: tuple[bytes, Results | Exception] = self.start.tobytes(), results
         self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
         """whether a parameter has moved a number (n, m)"""
         # Derivatives without steps need none to be chosen.
