@@ -57,47 +57,6 @@ def _limit(one: OptimizedConstraint) -> str:
     return ", ".join(part for part in (low, high) if part)
 
 
-def optimum_record(found: Optimum) -> dict[str, Any]:
-    """What a search found, as other programs take it."""
-    return {
-        "state": found.state,
-        "converged": found.converged,
-        "feasible": found.is_feasible,
-        "violation": found.violation,
-        "objective": {
-            "goal": "maximize" if found.maximize else "minimize",
-            "output": found.objective,
-            "unit": found.unit,
-            "start": found.start,
-            "value": found.value,
-        },
-        "parameters": {
-            one.name: {"start": one.start, "value": one.value, "at_bound": one.at_bound}
-            for one in found.parameters
-        },
-        "constraints": [
-            {
-                "output": one.output,
-                "unit": one.unit,
-                "min": one.low,
-                "max": one.high,
-                "start": one.start,
-                "value": one.value,
-                "active": one.is_active,
-                "multiplier": one.multiplier,
-            }
-            for one in found.constraints
-        ],
-        "outputs": {
-            name: {"unit": found.units[name], "start": start, "value": value}
-            for name, (start, value) in found.outputs.items()
-        },
-        "runs": found.runs,
-        "failed": found.failed,
-        "notes": list(found.notes),
-    }
-
-
 def optimum_picture(title: str, found: Optimum) -> Any:
     trials = found.trials
     objective = GoalHistory(

@@ -3,7 +3,7 @@
 Numbers of results have the unit of their quantity, which stands beside them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -14,10 +14,12 @@ from ..results import Peak, Results
 from ..results.motion import BALANCED_ENERGIES
 from ..results.validity import Validity
 from ..solver import LinearModes, ModelCheck
+from ..study import Optimum, Sensitivities
 from ..superelement import Check, Modes, Superelement
 from .run_report import never_closed
 
 Record = dict[str, Any]
+SENSITIVITY_COLUMNS = ("output", "value", "parameter", "derivative", "error", "elasticity")
 
 
 def superelement_record(file: Path, element: Superelement) -> Record:
@@ -213,3 +215,61 @@ def modes_record(model_file: Path, spin: float, modes: LinearModes, validity: Va
         "within_limits": not validity.warnings,
         "validity": validity_records(validity),
     }
+
+
+def optimum_record(found: Optimum) -> Record:
+    """The record of `duhamel optimize`."""
+    return {
+        "state": found.state,
+        "converged": found.converged,
+        "feasible": found.is_feasible,
+        "violation": found.violation,
+        "objective": {
+            "goal": "maximize" if found.maximize else "minimize",
+            "output": found.objective,
+            "unit": found.unit,
+            "start": found.start,
+            "value": found.value,
+        },
+        "parameters": {
+            one.name: {"start": one.start, "value": one.value, "at_bound": one.at_bound}
+            for one in found.parameters
+        },
+        "constraints": [
+            {
+                "output": one.output,
+                "unit": one.unit,
+                "min": one.low,
+                "max": one.high,
+                "start": one.start,
+                "value": one.value,
+                "active": one.is_active,
+                "multiplier": one.multiplier,
+            }
+            for one in found.constraints
+        ],
+        "outputs": {
+            name: {"unit": found.units[name], "start": start, "value": value}
+            for name, (start, value) in found.outputs.items()
+        },
+        "runs": found.runs,
+        "failed": found.failed,
+        "notes": list(found.notes),
+    }
+
+
+def sensitivity_record(found: Sensitivities) -> Record:
+    """The record of `duhamel sensitivity`."""
+    rows = [
+        dict(zip(SENSITIVITY_COLUMNS, cells, strict=True)) for cells in sensitivity_cells(found)
+    ]
+    rows = [{**row, "unit": found.units[str(row["output"])]} for row in rows]
+    return {"sensitivities": rows, "notes": list(found.notes)}
+
+
+def sensitivity_cells(found: Sensitivities) -> Iterator[tuple[str | float, ...]]:
+    """The derivatives by output and parameter, as `SENSITIVITY_COLUMNS` names them."""
+    for i, name in enumerate(found.outputs):
+        for j, parameter in enumerate(found.parameters):
+            numbers = found.derivative[i, j], found.error[i, j], found.elasticity[i, j]
+            yield name, float(found.value[i]), parameter, *map(float, numbers)

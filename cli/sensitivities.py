@@ -1,6 +1,5 @@
 """Derivatives of a study as tables, JSON and a picture."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -8,9 +7,8 @@ import numpy as np
 from ..study import Sensitivities
 from ..superelement.validation import Array
 from ..view import draw_elasticities
+from .records import SENSITIVITY_COLUMNS, sensitivity_cells
 from .tables import table
-
-SENSITIVITY_COLUMNS = ("output", "value", "parameter", "derivative", "error", "elasticity")
 
 
 def sensitivity_table(title: str, found: Sensitivities) -> Any:
@@ -28,21 +26,7 @@ def sensitivity_table(title: str, found: Sensitivities) -> Any:
 
 def sensitivity_rows(found: Sensitivities) -> list[list[str]]:
     """The derivatives as rows of a table in a file, all digits kept."""
-    return [list(SENSITIVITY_COLUMNS), *(list(map(str, row)) for row in _cells(found))]
-
-
-def sensitivity_record(found: Sensitivities) -> dict[str, Any]:
-    """The derivatives as other programs take them."""
-    rows = [dict(zip(SENSITIVITY_COLUMNS, cells, strict=True)) for cells in _cells(found)]
-    rows = [{**row, "unit": found.units[str(row["output"])]} for row in rows]
-    return {"sensitivities": rows, "notes": list(found.notes)}
-
-
-def _cells(found: Sensitivities) -> Iterator[tuple[str | float, ...]]:
-    for i, name in enumerate(found.outputs):
-        for j, parameter in enumerate(found.parameters):
-            numbers = found.derivative[i, j], found.error[i, j], found.elasticity[i, j]
-            yield name, float(found.value[i]), parameter, *map(float, numbers)
+    return [list(SENSITIVITY_COLUMNS), *(list(map(str, row)) for row in sensitivity_cells(found))]
 
 
 def sensitivity_picture(title: str, found: Sensitivities) -> Any:

@@ -11,7 +11,7 @@ Beside that, the derivatives along w must agree with the difference of the outpu
 of both is the error. Source: docs/theory.md, Derivatives by dual numbers.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from ..files.arrays import Array
 from ..results import Results
 from ..solver import ModelError
+from ..solver.compiler.targets import DERIVATIVE_COUNTS
 from ..solver.derivatives.family import DifferentiatedRun, Differentiation
 from ..solver.errors import DerivativeError
 from .asked_numbers import AskedNumbers
@@ -45,6 +46,11 @@ BESIDE_PARABOLA = np.eye(len(NEARBY_VALUES)) - np.vander(NEARBY_VALUES, 3) @ np.
 """what is left of values at `NEARBY_VALUES` less the parabola that fits best"""
 BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY_VALUES / 1e-2, 5))[-2] / 1e-2
 """weights of values at `NEARBY_VALUES` in the slope at 0 of the polynomial of fourth degree"""
+
+DUAL = "dual"
+DERIVATIVE_METHODS = ("differences", DUAL)
+"""of fits and searches"""
+SWITCH_NOTE = "something switches within the run: derivatives are taken by differences there"
 
 
 class DualSlopes(NamedTuple):
@@ -74,6 +80,65 @@ def dual_slopes(
         nearby = _Nearby(differentiation, family.values, scales, asked)
         error = np.maximum(error, nearby.errors(found, value))
     return DualSlopes(value, error, tuple(_notes(found)))
+
+
+def exact_slopes(
+    family: Parametrized,
+    values: Mapping[str, float],
+    scales: Mapping[str, float],
+    results: Results,
+    numbers: Callable[[Results, Mapping[str, float]], Array],
+    groups: Sequence[int],
+) -> Array | None:
+    """The derivatives (m, parameters) of numbers of a run; none where forces have kinks.
+
+    numbers: of a run and its parameters; results: of the run at values without derivatives;
+    groups: how many numbers each are of one kind. `StudyError` for what has no derivative.
+    """
+    base = numbers(results, values)
+    try:
+        differentiation = Differentiation(
+            family.make, scales, results, lambda run: numbers(run, values)
+        )
+        found = differentiation.at(values)
+        if found.switches:
+            return None
+        columns = []
+        for name, scale in scales.items():
+            slopes = []
+            for distance in (CHAIN_STEPS[2:4] * scale).tolist():
+                high, low = (
+                    numbers(found.moved(name, end), {**values, name: values[name] + end})
+                    for end in (distance, -distance)
+                )
+                slopes.append((high - low) / (2.0 * distance))
+            columns.append(slopes[1] + (slopes[1] - slopes[0]) / 99.0)
+        value = np.stack(columns, axis=1)
+        away = np.abs(numbers(found.values, values) - base)
+    except DerivativeError as failure:
+        raise StudyError(f'{failure}; take derivatives = "differences"') from failure
+    sizes = np.abs(base) + np.abs(value * list(scales.values())).max(axis=1)
+    first = np.cumsum([0, *groups[:-1]])
+    allowed = MAX_DEPARTURE * np.maximum.reduceat(sizes, first) + ABSOLUTE_ROUNDING
+    if not (np.maximum.reduceat(away, first) <= allowed).all():
+        raise StudyError(
+            "with derivatives the run differs from that without: rounding grows in this motion; "
+            'take derivatives = "differences"'
+        )
+    return value
+
+
+def runs_with_derivatives(n: int) -> int:
+    """How many runs the derivatives by n parameters take."""
+    return -(-n // max(DERIVATIVE_COUNTS))
+
+
+def check_derivatives(method: str) -> None:
+    """`StudyError` for no method of fits and searches."""
+    if method not in DERIVATIVE_METHODS:
+        raise StudyError(
+            f"derivatives: expected {' or '.join(DERIVATIVE_METHODS)}, found {method!r}"
+        )
 
 
 def _check(

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..files import require_no_input
 from ..solver import Model
+from .dual_slopes import check_derivatives
 from .errors import StudyError
 from .fit_problem import FitProblem
 from .measured_series import MeasuredSeries, check_times, read_series
@@ -89,6 +90,7 @@ def fit_model(
     *,
     sigma: float | Mapping[str, float] | None = None,
     shift: bool = False,
+    derivatives: str = "differences",
 ) -> ModelFit:
     """Fit parameters of a model in memory, or of a function that makes one, to measured series.
 
@@ -104,6 +106,8 @@ def fit_model(
         The standard deviation of the noise, of all series or by quantity.
     shift : bool
         Whether the time of all series may be shifted.
+    derivatives : {"differences", "dual"}
+        By two runs for each parameter, or by one run with dual numbers.
 
     Returns
     -------
@@ -132,25 +136,28 @@ def fit_model(
         raise StudyError("series: expected times and values by quantity, found none")
     if isinstance(sigma, Mapping) and sigma.keys() != series.keys():
         raise StudyError(f"sigma: expected one for each of {', '.join(series)}, or one number")
-    deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma or 0.0)
+    deviations = sigma if isinstance(sigma, Mapping) else dict.fromkeys(series, sigma)
     measured = [
         _series(quantity, time, values, deviations[quantity])
         for quantity, (time, values) in series.items()
     ]
-    return _fitted(family, starts, measured, shift)
+    check_derivatives(derivatives)
+    return _fitted(family, starts, measured, shift, derivatives)
 
 
-def _series(quantity: str, time: ArrayLike, values: ArrayLike, sigma: float) -> MeasuredSeries:
+def _series(
+    quantity: str, time: ArrayLike, values: ArrayLike, sigma: float | None
+) -> MeasuredSeries:
     t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if t.ndim != 1 or t.shape != y.shape or not np.isfinite([t, y]).all():
         raise StudyError(
             f"series {quantity!r}: expected times and values (n,) that are finite, found "
             f"{t.shape} and {y.shape}"
         )
-    if not (np.isfinite(sigma) and sigma >= 0.0):
+    if sigma is not None and not 0.0 < sigma < np.inf:
         raise StudyError(f"series {quantity!r}: expected sigma above 0, found {sigma}")
     check_times(t, f"series {quantity!r}")
-    return MeasuredSeries(f"series {quantity!r}", quantity, t, y, float(sigma))
+    return MeasuredSeries(f"series {quantity!r}", quantity, t, y, float(sigma or 0.0))
 
 
 def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:
@@ -163,7 +170,7 @@ def _of_study(study: StudyOfOneModel, output: Path | None) -> ModelFit:
     if output is not None:
         files = [*study.inputs, *(study.path.parent / one.file for one in table.series)]
         require_no_input(output, files, "an input of the fit")
-    made = _fitted(study.parametrized, study.parameters, series, table.shift)
+    made = _fitted(study.parametrized, study.parameters, series, table.shift, table.derivatives)
     # Written last: a fit that fails leaves no file.
     if output is not None:
         study.write(output, made.values)
@@ -175,6 +182,7 @@ def _fitted(
     parameters: Mapping[str, StudyParameter],
     series: Sequence[MeasuredSeries],
     shift: bool,
+    derivatives: str,
 ) -> ModelFit:
     # Import here: takes a second, and no other study needs it.
     from scipy.optimize import least_squares
@@ -184,7 +192,7 @@ def _fitted(
     if len({one.sigma > 0.0 for one in series}) != 1:
         raise StudyError("fit.series: expected sigma of all series or of none")
     axes = [SearchAxis.of(name, parameter) for name, parameter in parameters.items()]
-    problem = FitProblem(family, axes, series)
+    problem = FitProblem(family, axes, series, derivatives)
     problem.begin(shift)
     axes = problem.axes
     start = np.array([axis.inner(axis.begin) for axis in axes])

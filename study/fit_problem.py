@@ -7,7 +7,9 @@ import numpy as np
 from ..files.arrays import Array
 from ..results import Results
 from ..solver import simulate
+from .central_differences import central_differences
 from .covariance import covariance_of
+from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .measured_series import MeasuredSeries
 from .model_fit import FittedParameter, ModelFit
@@ -15,7 +17,7 @@ from .one_model import StudyParameter
 from .outputs import sampled_over, unit_of
 from .parametrized import Parametrized
 from .runs import runs_at
-from .search_axis import SHIFT_NAME, SearchAxis
+from .search_axis import JACOBIAN_STEP, SHIFT_NAME, SearchAxis
 
 TIME_ROUNDING = 1e-9
 """of times in files, relative to the end of a run"""
@@ -27,16 +29,20 @@ class FitProblem:
     """Residuals and their derivatives, as the search asks for them."""
 
     def __init__(
-        self, family: Parametrized, axes: list[SearchAxis], series: Sequence[MeasuredSeries]
+        self,
+        family: Parametrized,
+        axes: list[SearchAxis],
+        series: Sequence[MeasuredSeries],
+        derivatives: str,
     ) -> None:
+        self._derivatives, self._notes = derivatives, dict[str, None]()
         self._family, self.axes, self._series = family, axes, series
         # Without sigma each series by its own size: one in rad must not outweigh one in m.
         self._weights = [
             1.0 / (one.sigma or float(np.sqrt(np.mean(one.values**2))) or 1.0) for one in series
         ]
         self._n = sum(len(one.time) for one in series)
-        self.runs, self._failure = 0, ""
-        self.has_ended = False
+        self.runs = 0
         self._last: tuple[dict[str, float], Results | Exception] | None = None
         """values and outcome of the last run"""
 
@@ -73,24 +79,44 @@ class FitProblem:
         return self._residuals_of(self._run(self._values(inner)), self._shift(inner))
 
     def jacobian(self, inner: Array) -> Array:
-        values, columns = self._values(inner), []
-        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
-        ends = [axis.ends(values[axis.name]) for axis in axes]
-        points = [
-            {**values, axis.name: end}
-            for axis, both in zip(axes, ends, strict=True)
-            for end in both
-        ]
-        parts = [self._residuals_of(run, self._shift(inner)) for run in self._runs(points)]
-        for axis, (high, low), ahead, back in zip(axes, ends, parts[::2], parts[1::2], strict=True):
-            columns.append((ahead - back) / (high - low) * axis.slope(values[axis.name]))
+        values, shift = self._values(inner), self._shift(inner)
         run = self._run(values)
-        if self.axes[-1].name == SHIFT_NAME and isinstance(run, Results):
-            columns.append(self._by_shift(run, self._shift(inner)) * self.axes[-1].scale)
-        found = np.array(columns).T
-        if not np.isfinite(found).all():
-            raise StudyError(f"the model does not run beside {values}: {self._failure}")
+        if isinstance(run, Exception):
+            raise StudyError(f"the model does not run at {values}: {run}")
+        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
+
+        def residuals_at(points: Sequence[Mapping[str, float]]) -> list[Array | str]:
+            runs = self._runs(points)
+            parts = [self._residuals_of(run, shift) for run in runs]
+            return [
+                part if np.isfinite(part).all() else f"{run}"
+                for part, run in zip(parts, runs, strict=True)
+            ]
+
+        base, steps = self._residuals_of(run, shift), [JACOBIAN_STEP] * len(axes)
+        found = self._exact(run, values, shift) if self._derivatives == DUAL else None
+        if found is None:
+            found, _ = central_differences(axes, values, base, residuals_at, steps)
+        if len(axes) < len(self.axes):
+            by_shift = self._by_shift(run, shift) * self.axes[-1].scale
+            found = np.column_stack([found, by_shift])
         return found
+
+    def _exact(self, run: Results, values: Mapping[str, float], shift: float) -> Array | None:
+        axes = [axis for axis in self.axes if axis.name != SHIFT_NAME]
+        self.runs += runs_with_derivatives(len(axes))
+        found = exact_slopes(
+            self._family,
+            values,
+            {axis.name: axis.scale for axis in axes},
+            run,
+            lambda one, _: self._residuals_of(one, shift),
+            [len(one.time) for one in self._series],
+        )
+        if found is None:
+            self._notes[SWITCH_NOTE] = None
+            return None
+        return found * [axis.slope(values[axis.name]) for axis in axes]
 
     def fit(self, inner: Array, active: Array, converged: bool) -> ModelFit:
         run = self._run(self._values(inner))
@@ -124,7 +150,7 @@ class FitProblem:
             np.array(rms),
             self.runs,
             converged,
-            tuple(run.validity.brief()) if isinstance(run, Results) else (),
+            (*(run.validity.brief() if isinstance(run, Results) else ()), *self._notes),
         )
 
     def _values(self, inner: Array) -> dict[str, float]:
@@ -137,7 +163,6 @@ class FitProblem:
     def _residuals_of(self, run: Results | Exception, shift: float) -> Array:
         """(n,), infinite of a run that failed: the search then takes a shorter step."""
         if isinstance(run, Exception):
-            self._failure = str(run)
             return np.full(self._n, np.inf)
         return np.concatenate(
             [

@@ -57,7 +57,8 @@ class OptimizeTable(Table):
 
     minimize, maximize: the name of an output, an output, or arithmetic; method: "local" goes
     downhill from the start, "global" looks in all of the bounds first, with random numbers from
-    `seed`; runs: how many it may make.
+    `seed`; runs: how many it may make; derivatives: by two runs for each parameter, or by one run
+    with dual numbers.
     """
 
     minimize: str | None = None
@@ -66,6 +67,7 @@ class OptimizeTable(Table):
     method: Literal["local", "global"] = "local"
     runs: int = Field(default=DEFAULT_RUNS, ge=1)
     seed: int = Field(default=0, ge=0)
+    derivatives: Literal["differences", "dual"] = "differences"
 
     @rule
     def _has_one_goal(self) -> None:

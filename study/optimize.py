@@ -124,6 +124,7 @@ def optimize_model(
     method: str = "local",
     runs: int = DEFAULT_RUNS,
     seed: int = 0,
+    derivatives: str = "differences",
 ) -> Optimum:
     """Optimize parameters of a model in memory, or of a function that makes one.
 
@@ -146,6 +147,8 @@ def optimize_model(
         How many it may make.
     seed : int
         Of the random numbers of a global search.
+    derivatives : {"differences", "dual"}
+        By two runs for each parameter, or by one run with dual numbers.
 
     Returns
     -------
@@ -188,6 +191,7 @@ def optimize_model(
         "method": method,
         "runs": runs,
         "seed": seed,
+        "derivatives": derivatives,
     }
     try:
         table = read_part(
@@ -373,6 +377,7 @@ def _remarks(problem: OptimizeProblem) -> list[str]:
         f"by {name} something switches within the run: differences are taken over 1 % of it"
         for name in problem.uneven
     ]
+    made += problem.switch_notes
     made += [
         f"{axis.name} changes neither the objective nor a constraint"
         for axis, moves in zip(problem.axes, problem.moves, strict=True)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from ..files.arrays import Array
 from ..results import Results, SeriesError
 from ..solver import simulate
+from .central_differences import central_differences
 from .differences import DIFFERENCE_STEPS, slopes_of
+from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .goals import Goals
 from .parametrized import Parametrized
@@ -64,8 +66,10 @@ class OptimizeProblem:
     ) -> None:
         self._family, self.axes, self.goals, self._most_runs = family, axes, goals, most_runs
         self.runs, self.failed = 0, 0
+        self._share = ""
         self.has_ended = False
         """whether runs are made for the report alone, beyond those of the search"""
+        self.switch_notes: list[str] = []
         self.failure = ""
         """of the first run that failed"""
         self.trials: list[Trial] = []
@@ -91,10 +95,19 @@ class OptimizeProblem:
         self._rows = np.repeat(np.arange(len(first)), self._lengths)
         self._n_terms = len(first) - len(self.goals.limits)
         raw = np.concatenate(first)
-        self.uneven = self._choose_steps(raw)
+        self._known[self.start.tobytes()] = raw
+        self._last: tuple[bytes, Results | Exception] = self.start.tobytes(), results
         self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
         """whether a parameter has moved a number (n, m)"""
-        self._known[self.start.tobytes()] = raw
+        # Derivatives without steps need none to be chosen.
+        self._dual = self.goals.table.derivatives == DUAL
+        exact = self._exact(self.start) if self._dual else None
+        self.uneven = list[str]()
+        if exact is None:
+            self._steps[:] = JACOBIAN_STEP
+            self.uneven = self._choose_steps(raw)
+        else:
+            self._slopes[self.start.tobytes()] = exact
         sizes = np.abs(self._raw_slopes(self.start)).max(axis=1)
         size = float(sizes[self.is_objective].max())
         self._objective_scale = size / FIRST_STEP or float(np.abs(raw).max()) or 1.0
@@ -113,11 +126,11 @@ class OptimizeProblem:
     def some_runs(self, share: float) -> Iterator[None]:
         """Let a search make a share of the runs alone."""
         most = self._most_runs
-        self._most_runs = int(share * most)
+        self._most_runs, self._share = int(share * most), f", {100.0 * share:.0f} % of them here"
         try:
             yield
         finally:
-            self._most_runs = most
+            self._most_runs, self._share = most, ""
 
     def rescale(self, inner: Array) -> None:
         """Count the objective by its slope here."""
@@ -171,6 +184,7 @@ class OptimizeProblem:
         new = {one.tobytes(): one for one in points if one.tobytes() not in self._known}
         values = [self.values(one) for one in new.values()]
         for inner, at, run in zip(new.values(), values, self._runs(values), strict=True):
+            self._last = inner.tobytes(), run
             self._keep(inner, at, run, self._vector(at, run))
         return [
             None if (raw := self._known[p.tobytes()]) is None else self._scaled(raw) for p in points
@@ -258,42 +272,57 @@ class OptimizeProblem:
     def _raw_slopes(self, inner: Array) -> Array:
         key = inner.tobytes()
         if key not in self._slopes:
-            self._slopes[key] = self._differences(inner)
+            exact = self._exact(inner) if self._dual else None
+            self._slopes[key] = self._differences(inner) if exact is None else exact
         return self._slopes[key]
+
+    def _exact(self, inner: Array) -> Array | None:
+        """By dual numbers; none where something switches, from where on differences are taken."""
+        key, values = inner.tobytes(), self.values(inner)
+        if self._known[key] is None:
+            return None
+        run = self._last[1] if self._last[0] == key else self._runs([values])[0]
+        if isinstance(run, Exception):
+            return None
+        self._count(runs_with_derivatives(len(self.axes)))
+
+        def numbers(one: Results, at: Mapping[str, float]) -> Array:
+            found = self._vector(at, one)
+            if isinstance(found, str):
+                raise SearchStoppedError(found)
+            return np.concatenate(found)
+
+        scales = {axis.name: axis.scale for axis in self.axes}
+        try:
+            found = exact_slopes(self._family, values, scales, run, numbers, self._lengths)
+        except StudyError as error:
+            raise SearchStoppedError(str(error)) from error
+        if found is None:
+            self._dual, self.switch_notes = False, [SWITCH_NOTE]
+            # What switches is uneven, as differences at the start would have told.
+            self._steps[:] = DIFFERENCE_STEPS[0]
+            return None
+        self.moves |= found.T != 0.0
+        slopes: Array = found * [axis.slope(values[axis.name]) for axis in self.axes]
+        return slopes
 
     def _differences(self, inner: Array) -> Array:
         """Central differences; one-sided where a run on one side fails, or a bound is near."""
         values, base = self.values(inner), self._known[inner.tobytes()]
         if base is None:
             raise SearchStoppedError(f"a run failed: {self.failure}")
-        ends = [
-            axis.ends(values[axis.name], step)
-            for axis, step in zip(self.axes, self._steps.tolist(), strict=True)
-        ]
-        points = [
-            {**values, axis.name: end}
-            for axis, both in zip(self.axes, ends, strict=True)
-            for end in both
-        ]
-        found = [
-            None if isinstance(part := self._vector(at, run), str) else np.concatenate(part)
-            for at, run in zip(points, self._runs(points), strict=True)
-        ]
-        columns: list[Array] = []
-        for axis, (high, low), ahead, back in zip(
-            self.axes, ends, found[::2], found[1::2], strict=True
-        ):
-            at = values[axis.name]
-            if ahead is None and back is None:
-                raise SearchStoppedError(
-                    f"the model does not run beside {axis.name} = {at:.9g}: {self.failure}"
-                )
-            if ahead is None or back is None:
-                high, low = (at, low) if ahead is None else (high, at)
-            ahead, back = (base if one is None else one for one in (ahead, back))
-            self.moves[len(columns)] |= (ahead != base) | (back != base)
-            columns.append((ahead - back) / (high - low) * axis.slope(at))
-        return np.array(columns).T
+        try:
+            slopes, changes = central_differences(
+                self.axes, values, base, self._numbers_of_runs, self._steps.tolist()
+            )
+        except StudyError as error:
+            raise SearchStoppedError(str(error)) from error
+        self.moves |= changes.T > 0.0
+        return slopes
+
+    def _numbers_of_runs(self, points: Sequence[Mapping[str, float]]) -> list[Array | str]:
+        found = [self._vector(at, run) for at, run in zip(points, self._runs(points), strict=True)]
+        return [part if isinstance(part, str) else np.concatenate(part) for part in found]
 
     def _choose_steps(self, base: Array) -> list[str]:
         """Wide steps of the parameters by which goals switch; their names.
@@ -323,8 +352,10 @@ class OptimizeProblem:
                     step = above or below
                     points += [start | {axis.name: axis.start + part * step} for part in (0.5, 1.0)]
                     places.append((i, j, (4.0, -1.0, -3.0), step))
-        runs = self._runs(points)
-        ends = [self._numbers_at(tops, at, run) for at, run in zip(points, runs, strict=True)]
+        ends = [
+            np.full(len(tops), np.nan) if isinstance(one, str) else one[tops]
+            for one in self._numbers_of_runs(points)
+        ]
         differences = np.full((len(self.axes), len(widths), len(self._lengths)), np.nan)
         for (i, j, weights, width), first, last in zip(places, ends[::2], ends[1::2], strict=True):
             slope = self.axes[i].slope(start[self.axes[i].name]) / width
@@ -338,19 +369,16 @@ class OptimizeProblem:
                 uneven.append(axis.name)
         return uneven
 
-    def _numbers_at(
-        self, rows: NDArray[np.intp], values: Mapping[str, float], run: Results | Exception
-    ) -> Array:
-        found = self._vector(values, run)
-        return np.full(len(rows), np.nan) if isinstance(found, str) else np.concatenate(found)[rows]
-
     def _runs(self, points: Sequence[Mapping[str, float]]) -> list[Results | Exception]:
-        if self.runs + len(points) > self._most_runs and not self.has_ended:
-            raise SearchStoppedError(f"the limit of {self._most_runs} runs")
-        self.runs += len(points)
+        self._count(len(points))
         found = runs_at(self._family, points)
         for one in found:
             if isinstance(one, Exception):
                 self.failed += 1
                 self.failure = self.failure or str(one)
         return found
+
+    def _count(self, runs: int) -> None:
+        if self.runs + runs > self._most_runs and not self.has_ended:
+            raise SearchStoppedError(f"the limit of {self.goals.table.runs} runs{self._share}")
+        self.runs += runs

@@ -58,20 +58,25 @@ class Parameter:
         return StudyParameter(start, logarithmic=self.logarithmic)
 
 
+def named_parameters(parameters: Mapping[str, str | Parameter]) -> dict[str, Parameter]:
+    """Parameters by name, of which a text is the key of one without bounds."""
+    return {
+        name: one if isinstance(one, Parameter) else Parameter(one)
+        for name, one in parameters.items()
+    }
+
+
 def family_of(
     model: Model | Callable[..., Model], parameters: Mapping[str, str | Parameter]
 ) -> tuple[Parametrized, dict[str, StudyParameter]]:
     """The models of all values, and where the parameters begin."""
-    named = {
-        name: one if isinstance(one, Parameter) else Parameter(one)
-        for name, one in parameters.items()
-    }
+    named = named_parameters(parameters)
     if not named:
         raise StudyError("parameters: expected at least one, found none")
     if isinstance(model, Model):
         family = of_model(model, {name: _key(name, one) for name, one in named.items()})
     else:
-        family = of_function(model, {name: _start(name, one) for name, one in named.items()})
+        family = of_function(model, {name: start_of(name, one) for name, one in named.items()})
     starts = {name: one.of_study(name, family.values[name]) for name, one in named.items()}
     values = {name: one.value for name, one in starts.items()}
     return replace(family, values=values), starts
@@ -86,7 +91,8 @@ def _key(name: str, parameter: Parameter) -> str:
     return parameter.at
 
 
-def _start(name: str, parameter: Parameter) -> float:
+def start_of(name: str, parameter: Parameter) -> float:
+    """Where a parameter of a function begins; `StudyError` where that is not given."""
     if parameter.start is None:
         raise StudyError(f"parameters.{dotted([name])}: of a function expected a start, found none")
     return parameter.start

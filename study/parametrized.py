@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
+from numbers import Real
 from typing import Any
 
 from ..inputs import dotted, quoted
@@ -100,7 +101,8 @@ def numeric_value_at(tables: Mapping[str, Any], key: str) -> float:
 
 
 def numeric(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    # Those of numpy are real too, but for its bool.
+    if isinstance(value, bool) or not isinstance(value, Real):
         raise StudyError(f"parameters.{dotted([name])}: expected a number, found {quoted(value)}")
     return float(value)
 

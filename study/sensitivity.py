@@ -127,6 +127,8 @@ def sensitivities(
         family = of_model(model, parameters)  # type: ignore[arg-type]
     else:
         family = of_function(model, parameters)  # type: ignore[arg-type]
+    if not family.values:
+        raise StudyError("parameters: expected at least one, found none")
     named = outputs if isinstance(outputs, Mapping) else {text: text for text in outputs}
     return take(family, named, scales or {})
 

@@ -30,10 +30,15 @@ MEMORY_PER_FILE_BYTE = 20
 
 
 class FitTable(Table):
-    """What a fit compares runs with; shift: whether the time of all series may be shifted."""
+    """What a fit compares runs with, and how.
+
+    shift: whether the time of all series may be shifted; derivatives: of the residuals, by two
+    runs for each parameter or by one run with dual numbers.
+    """
 
     series: tuple[SeriesTable, ...] = ()
     shift: bool = False
+    derivatives: Literal["differences", "dual"] = "differences"
 
 
 class SensitivityTable(Table):

@@ -494,6 +494,7 @@ class Mechanism:
         *,
         sigma: float | Mapping[str, float] | None = None,
         shift: bool = False,
+        derivatives: str = "differences",
         **settings: Any,
     ) -> "study.ModelFit":
         """Fit parameters to measured series, see `duhamel.study.fit_model`.
@@ -510,6 +511,8 @@ class Mechanism:
             The standard deviation of the noise.
         shift : bool
             Whether the time of the series may be shifted.
+        derivatives : {"differences", "dual"}
+            By two runs for each parameter, or by one run with dual numbers.
 
         Returns
         -------
@@ -546,6 +549,7 @@ class Mechanism:
             if isinstance(sigma, Mapping)
             else sigma,
             shift=shift,
+            derivatives=derivatives,
         )
 
     def optimize(
@@ -561,6 +565,7 @@ class Mechanism:
         method: Literal["local", "global"] = "local",
         runs: int = 1000,
         seed: int = 0,
+        derivatives: str = "differences",
         **settings: Any,
     ) -> "study.Optimum":
         """Find the parameters for which an output is least or largest within limits.
@@ -583,6 +588,8 @@ class Mechanism:
             How many it may make.
         seed : int
             Of the random numbers of a global search.
+        derivatives : {"differences", "dual"}
+            By two runs for each parameter, or by one run with dual numbers.
 
         Returns
         -------
@@ -623,6 +630,7 @@ class Mechanism:
             method=method,
             runs=runs,
             seed=seed,
+            derivatives=derivatives,
         )
 
     def with_values(
@@ -645,7 +653,11 @@ class Mechanism:
         >>> m.with_values({"m": "bodies.ball.mass"}, {"m": 3.0}).bodies["ball"].mass
         3.0
         """
-        return self._of(self._varied(parameters, None, None, {}).make(**values))
+        from .varied import VariedMechanism
+
+        return self._of(
+            VariedMechanism(self, parameters, self._settings(None, None, {})).at(values)
+        )
 
     def _varied(
         self,

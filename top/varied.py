@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from duhamel import solver
 from duhamel.study import Parameter, StudyError
 from duhamel.study.outputs import is_series, with_quantity
-from duhamel.study.parametrized import Parametrized, of_model
+from duhamel.study.parameter import named_parameters, start_of
+from duhamel.study.parametrized import Parametrized, numeric, of_model
 
 if TYPE_CHECKING:
     from .mechanism import Mechanism
@@ -27,13 +28,10 @@ class VariedMechanism:
         settings: solver.Settings,
     ) -> None:
         self._mechanism, self._settings = mechanism, settings
-        named = {
-            name: one if isinstance(one, Parameter) else Parameter(one)
-            for name, one in parameters.items()
-        }
+        named = named_parameters(parameters)
         self._keys = {name: one.at for name, one in named.items() if isinstance(one.at, str)}
         self._changes = {name: one.at for name, one in named.items() if callable(one.at)}
-        self._first = self._changed({name: _start(name, named[name]) for name in self._changes})
+        self._first = self._changed({name: start_of(name, named[name]) for name in self._changes})
         # A function of Python may make what no file can hold.
         first = self._first.model(settings)
         self._family = (
@@ -54,6 +52,15 @@ class VariedMechanism:
         at_keys = {name: values[name] for name in self._keys}
         return of_model(model, self._keys).make(at_keys) if at_keys else model
 
+    def at(self, values: Mapping[str, float]) -> solver.Model:
+        """The same of values that a user gives, one of each parameter; `StudyError` otherwise."""
+        for names, told in ((values, "no such parameter"), (self.parameters, "has no value")):
+            if wrong := [one for one in names if one not in values or one not in self.parameters]:
+                raise StudyError(
+                    f"values.{wrong[0]}: {told}; there are: {', '.join(self.parameters)}"
+                )
+        return self.make(**{name: numeric(name, value) for name, value in values.items()})
+
     def _changed(self, values: Mapping[str, float]) -> "Mechanism":
         """A copy that the functions have changed; without any the mechanism itself."""
         if not self._changes:
@@ -70,9 +77,3 @@ class VariedMechanism:
     def goal(self, text: str) -> str:
         """The same of what may be an output, or else a name or arithmetic."""
         return text if is_series(text) else self.output(text)
-
-
-def _start(name: str, parameter: Parameter) -> float:
-    if parameter.start is None:
-        raise StudyError(f"parameters.{name}: of a function expected a start, found none")
-    return parameter.start

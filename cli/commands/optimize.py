@@ -27,7 +27,8 @@ def optimize(
     from rich.console import Console
 
     from ... import files, results, solver, study, superelement, view
-    from ..optimizations import goal_table, optimum_picture, optimum_record, parameter_table
+    from ..optimizations import goal_table, optimum_picture, parameter_table
+    from ..records import optimum_record
 
     target = output or beside(study_file, ".toml", "optimized")
     picture = target.with_suffix(".png")

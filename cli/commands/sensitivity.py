@@ -19,12 +19,8 @@ def sensitivity(
     from rich.console import Console
 
     from ... import files, results, solver, study, superelement, view
-    from ..sensitivities import (
-        sensitivity_picture,
-        sensitivity_record,
-        sensitivity_rows,
-        sensitivity_table,
-    )
+    from ..records import sensitivity_record
+    from ..sensitivities import sensitivity_picture, sensitivity_rows, sensitivity_table
 
     target = output or beside(study_file, ".png", "sensitivity")
     with errors_in_one_line(files, results, solver, study, superelement, view):

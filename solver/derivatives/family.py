@@ -66,9 +66,9 @@ class Differentiation:
         `DerivativeError` for what is not covered, and for a parameter that changes more of the
         model than its numbers.
         """
-        with about(self._make(values).path), one_blas_thread():
-            start = self._start(values)
-            most = max(DERIVATIVE_COUNTS)
+        model, most = self._make(values), max(DERIVATIVE_COUNTS)
+        with about(model.path), one_blas_thread():
+            start = start_of(model, recorded_rows)
             check_scope(start.lowered, count_for(min(len(self._scales), most)))
             seeds = {}
             for name, scale in self._scales.items():

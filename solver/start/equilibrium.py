@@ -84,7 +84,7 @@ def solve_equilibrium(
     check_spins(lowered, work)
     if reason := search.find():
         # the more specific message, as of a damper that cannot turn
-        check_steady(lowered, motion, state, work)
+        check_steady(lowered, motion, work)
         raise _failure(lowered, reason, state, work)
     return search.system
 

@@ -126,7 +126,7 @@ def initialize(
         check_holding(lowered, state)
         turn_joints(lowered, state, work)
         # Only now the pose is known in which rates must vanish.
-        check_steady(lowered, motion, state, work)
+        check_steady(lowered, motion, work)
         _start_loaded(lowered, state, work)
         rest_on_surfaces(at_rest, state, work)
     else:

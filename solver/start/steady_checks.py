@@ -6,7 +6,7 @@ from ..arrays import Array, Index
 from ..errors import ModelError
 from ..lower.lower import LoweredModel
 from ..step.records.laws import Motors
-from ..step.system import State, Workspace
+from ..step.system import Workspace
 from .assembly import drive_rates
 from .steady import SteadyMotion
 
@@ -51,9 +51,7 @@ def _negligible_references(lowered: LoweredModel) -> Array:
     )
 
 
-def check_steady(
-    lowered: LoweredModel, motion: SteadyMotion | None, state: State, work: Workspace
-) -> None:
+def check_steady(lowered: LoweredModel, motion: SteadyMotion | None, work: Workspace) -> None:
     """ModelError unless constraints and springs keep their coordinates in the steady motion.
 
     That is a steady rotation, or rest. The rates B v + phi_t must vanish, so that a

@@ -133,14 +133,32 @@ def test_a_run_that_is_stopped_ends_as_by_an_interrupt(tmp_path, held):
     assert "rows are in" in str(error) or "nothing is kept" in str(error)
 
 
-def test_the_time_of_the_pause_is_none_of_the_steps(tmp_path):
-    short = replace(ARM, settings=Settings(t_end=1.0, step=1e-4))
-    run = Controlled(tmp_path / "held.h5", short)
-    # Before it begins: it waits ahead of its first step.
-    run.control.hold()
-    begun(run.control)
-    time.sleep(1.5)
-    run.control.go_on()
-    results = run.result()
-    assert len(results.time) == 10_001
-    assert results.solver["seconds"] < 1.4
+class HeldForDays(RunControl):
+    """Held before the first step, while a clock goes on by a million seconds."""
+
+    def __init__(self):
+        super().__init__()
+        self.pause = 0.0
+        self.hold()
+
+    def obey(self, before_waiting):
+        def wait():
+            before_waiting()
+            self.pause += 1e6
+            self.go_on()
+
+        return super().obey(wait)
+
+
+def test_the_time_of_the_pause_is_none_of_the_steps(monkeypatch):
+    control, clock = HeldForDays(), time.perf_counter
+    monkeypatch.setattr(time, "perf_counter", lambda: clock() + control.pause)
+
+    def run():
+        RUN_CONTROL.set(control)
+        return simulate(replace(ARM, settings=Settings(t_end=0.01, step=1e-4)))
+
+    results = copy_context().run(run)
+    assert control.pause == 1e6
+    assert len(results.time) == 101
+    assert 0.0 < results.solver["seconds"] < 1e5

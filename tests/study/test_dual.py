@@ -1,6 +1,7 @@
 """Derivatives of outputs by dual numbers: against closed forms, and by differences."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,8 +27,15 @@ from duhamel.solver import (
 )
 from duhamel.solver.couplings.friction import JointFriction
 from duhamel.solver.errors import DerivativeError
-from duhamel.study import StudyError, sensitivities, sensitivities_of
-from duhamel.study.dual_slopes import _check
+from duhamel.study import (
+    Parameter,
+    StudyError,
+    fit_model,
+    optimize_model,
+    sensitivities,
+    sensitivities_of,
+)
+from duhamel.study.dual_slopes import SWITCH_NOTE, _check
 
 from ..solver.frameworks import bar
 from .test_sensitivity import bouncing, height_by_stiffness, pushed
@@ -238,3 +246,80 @@ def test_what_is_no_number_in_one_of_both_runs_is_a_miss():
     for found in ([np.nan, np.nan], [1.0, 2.0]):
         with pytest.raises(DerivativeError, match="from the run without derivatives"):
             _check(asked, np.array(found), plain, slopes, {"p": 1.0})
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_a_fit_by_dual_numbers_is_that_by_differences_with_fewer_runs(logarithmic):
+    model = pushed()
+    results = simulate(model)
+    series = {
+        "angular_velocity:lever:z": (
+            results.time,
+            1.1 * results.body("lever").angular_velocity[:, 2],
+        )
+    }
+    parameters = {"M": Parameter("loads.0.signal", (0.1, 100.0), logarithmic=logarithmic)}
+    by = {
+        one: fit_model(model, parameters, series, sigma=1e-3, derivatives=one)
+        for one in ("differences", "dual")
+    }
+    exact = 1.1 * 3.0
+    assert by["dual"].values["M"] == pytest.approx(exact, rel=1e-9)
+    assert by["dual"].values["M"] == pytest.approx(by["differences"].values["M"], rel=1e-8)
+    deviations = [one.parameters[0].deviation for one in by.values()]
+    assert deviations[1] == pytest.approx(deviations[0], rel=1e-7)
+    assert by["dual"].runs < by["differences"].runs
+    assert not list(by["dual"].notes)
+
+
+def test_a_search_by_dual_numbers_ends_where_that_by_differences_does():
+    """The least torque for a turn: M / J / 2 >= 1 within a second."""
+    by = {
+        one: optimize_model(
+            pushed(),
+            {"M": Parameter("loads.0.signal", (0.01, 100.0))},
+            {"rate": "max |angular_velocity:lever:z|"},
+            minimize="M**2",
+            constraints={"rate**2": (4.0, None)},
+            derivatives=one,
+        )
+        for one in ("differences", "dual")
+    }
+    assert all(one.converged for one in by.values())
+    assert by["dual"].values["M"] == pytest.approx(by["differences"].values["M"], rel=1e-6)
+    multipliers = [one.constraints[0].multiplier for one in by.values()]
+    assert multipliers[1] == pytest.approx(multipliers[0], rel=1e-5)
+    assert by["dual"].runs < by["differences"].runs - 8
+
+
+def test_where_something_switches_fits_and_searches_take_differences():
+    key = {"k": Parameter("contacts.wall.stiffness", (5e4, 2e5))}
+    results = simulate(striking(1.2e5))
+    series = {"velocity:ball:z": (results.time, results.body("ball").velocity[:, 2])}
+    fitted = fit_model(striking(), key, series, derivatives="dual")
+    assert SWITCH_NOTE in list(fitted.notes)
+    assert fitted.values["k"] == pytest.approx(1.2e5, rel=1e-3)
+    found = optimize_model(
+        striking(), key, {"peak": "max event:wall:peak"}, minimize="peak", derivatives="dual"
+    )
+    assert SWITCH_NOTE in found.remarks
+    assert found.values["k"] == pytest.approx(5e4)
+
+
+def test_what_has_no_dual_numbers_is_refused_by_fits_and_searches():
+    model = replace(pushed(), settings=replace(pushed().settings, fixed_iterations=3))
+    series = {"angular_velocity:lever:z": ([0.0, 0.5], [0.0, 1.0])}
+    told = 'fixed number of iterations.*take derivatives = "differences"'
+    with pytest.raises(StudyError, match=told):
+        fit_model(model, {"M": "loads.0.signal"}, series, derivatives="dual")
+    with pytest.raises(StudyError, match=told):
+        optimize_model(
+            model,
+            {"M": Parameter("loads.0.signal", (1.0, 4.0))},
+            minimize="final angle:lever:z",
+            derivatives="dual",
+        )
+    with pytest.raises(
+        StudyError, match="derivatives: expected differences or dual, found 'exact'"
+    ):
+        fit_model(model, {"M": "loads.0.signal"}, series, derivatives="exact")

@@ -287,6 +287,13 @@ def test_a_shift_keeps_all_samples_within_the_run(bench):
         fit(bench / "study.toml")
 
 
+@pytest.mark.parametrize("sigma", [0.0, -1.0, np.inf, {"position:mass:x": 0.0}])
+def test_a_deviation_of_the_noise_is_above_0(sigma):
+    series = {"position:mass:x": (TIME, swing())}
+    with pytest.raises(StudyError, match=r"position:mass:x.*expected sigma above 0, found"):
+        fit_model(lambda m: None, {"m": Parameter(start=1.0)}, series, sigma=sigma)
+
+
 def test_a_fit_to_nothing_is_refused():
     with pytest.raises(StudyError, match="series: expected times and values by quantity"):
         fit_model(lambda m: None, {"m": Parameter(start=1.0)}, {})

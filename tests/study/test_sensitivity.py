@@ -22,6 +22,7 @@ from duhamel.solver import (
     write_model,
 )
 from duhamel.study import StudyError, sensitivities
+from duhamel.study.parametrized import numeric
 from typer.testing import CliRunner
 
 from ..solver.frameworks import bar
@@ -128,6 +129,13 @@ def test_a_function_makes_the_models():
     np.testing.assert_allclose(found.derivative, [[0.25, 0.0]], atol=1e-9)
 
 
+@pytest.mark.parametrize("kind", [int, np.int64, np.float32])
+def test_integers_and_numbers_of_numpy_are_numbers(kind):
+    assert numeric("n", kind(3)) == 3.0
+    with pytest.raises(StudyError, match="n: expected a number"):
+        numeric("n", np.bool_(True))
+
+
 @pytest.mark.parametrize(
     ("parameters", "outputs", "options", "told"),
     [
@@ -141,6 +149,8 @@ def test_a_function_makes_the_models():
         (["joints.pivot.type"], ["final angle:lever:z"], {}, "expected a number, found 'revolute'"),
         (["joints.pivot.axis.0"], ["final angle:lever:z"], {}, "a scale above 0 for its steps"),
         (["loads.0.signal"], ["final angle:hinge:z"], {}, "hinge"),
+        ([], ["final angle:lever:z"], {}, "parameters: expected at least one, found none"),
+        ({}, ["final angle:lever:z"], {}, "parameters: expected at least one, found none"),
         (["loads.0.signal"], [], {}, "outputs: expected at least one, found none"),
         (["loads.0.signal"], ["final angle:lever:z"], {"scales": {"x": 1.0}}, "scales.x: no para"),
         (

@@ -28,6 +28,13 @@ def test_functions_change_copies_and_keys_what_these_have():
     made = m.with_values(parameters, {"force": 4.0, "g": -9.0})
     assert made.simulate()["ball"].position[-1, 2] == pytest.approx(-3.5)
     assert repr(m) == "<Mechanism: bodies ball>"
+    for values, told in (
+        ({"force": 4.0, "g": -9.0, "h": 1.0}, "values.h: no such parameter; there are: force, g"),
+        ({"force": 4.0}, "values.g: has no value; there are: force, g"),
+        ({"force": 4.0, "g": "low"}, "g: expected a number, found 'low'"),
+    ):
+        with pytest.raises(StudyError, match=told):
+            m.with_values(parameters, values)
     found = m.optimize(
         {"force": parameters["force"]},
         {"end": "final ball.position.z"},
@@ -66,3 +73,10 @@ def test_derivatives_by_dual_numbers_and_an_unknown_method():
     assert found.derivative[0, 0] == pytest.approx(0.5, rel=1e-9)
     with pytest.raises(StudyError, match="method: expected differences or dual, found 'exact'"):
         flying().sensitivities(*arguments, method="exact")
+
+
+def test_values_leave_the_settings_of_the_last_run_alone():
+    m = flying()
+    m.simulate(t_end=0.5)
+    m.with_values({"mass": "bodies.ball.mass"}, {"mass": 3.0})
+    assert m._last.t_end == 0.5
