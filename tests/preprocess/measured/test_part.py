@@ -177,9 +177,9 @@ def same(element, other):
         (other.modes.omega, other.modes.zeta),
         strict=True,
     ):
-        np.testing.assert_allclose(one, two, rtol=1e-4)
+        np.testing.assert_allclose(one, two, rtol=1e-6)
     np.testing.assert_allclose(
-        element.compliance, other.compliance, atol=1e-4 * np.abs(other.compliance).max()
+        element.compliance, other.compliance, atol=1e-6 * np.abs(other.compliance).max()
     )
 
 
