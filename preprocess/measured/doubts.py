@@ -11,7 +11,8 @@ from ..identification.identify import Identification
 from ..identification.responses import Measurement
 from .coherence import doubts_of_coherence
 from .delays import Delays
-from .mass_line import LARGEST_OFFSET, doubts_of_mass_line, mass_line
+from .first_resonance import BEYOND_CORDS, first_resonance
+from .mass_line import LARGEST_OFFSET, doubts_of_mass_line, is_too_high, not_checked
 from .part_test import PartTest
 from .suspension import stiff_suspension
 
@@ -39,17 +40,23 @@ def doubts_of_test(test: PartTest, measurement: Measurement) -> Iterator[str]:
             f"lines below {asked.lowest:g} Hz are not used: on its cords the part has up to "
             f"{asked.suspension:g} Hz, by measured.suspension"
         )
+        # Lines from beyond its first resonance on would have the next as their first.
+        if is_too_high(asked.lowest, test.first):
+            yield not_checked(test.first)
+            return
     elif asked.suspension is None and (f_s := stiff_suspension(measurement)):
         yield (
-            f"the mass line says that the part has {f_s:.2g} Hz on its cords, too much for lines "
-            f"from {test.data.f[0]:g} Hz on: give measured.suspension, the highest of its six "
+            f"the part has {f_s:.2g} Hz on its cords, too much for lines from "
+            f"{test.data.f[0]:g} Hz on: give measured.suspension, the highest of its six "
             "frequencies there"
         )
         # What cords do would be errors of all channels and hits, or is in the mass already.
-        free = test.data.f > LINES_OVER_SUSPENSION * f_s
+        beyond = test.data.lines(np.flatnonzero(test.data.f > BEYOND_CORDS * f_s))
+        first, lowest = first_resonance(beyond.f, beyond.H), LINES_OVER_SUSPENSION * f_s
+        free = test.data.f > lowest
         measurement = replace(measurement, s=measurement.s[free], H=measurement.H[free])
         by_responses = asked.rigid.source == BY_RESPONSES
-        if by_responses or mass_line(measurement.s, measurement.H) is None:
+        if by_responses or is_too_high(lowest, first):
             return
     yield from doubts_of_mass_line(measurement, test.channels, test.hits, test.rigid.center)
 
@@ -77,13 +84,17 @@ def doubts_of_fit(
     phases: OutOfPhase,
 ) -> Iterator[str]:
     """A line for each thing in which a fit is unlike that of a right test."""
-    fit = found.fit
-    yield from delays.told(test.channels.names, test.hits.labels)
+    fit, refused = found.fit, found.fit.misfit > test.body.measured.accept
+    if not refused:
+        yield from delays.told(test.channels.names, test.hits.labels)
     if fit.misfit > DOUBTED_MISFIT:
         yield (
             f"the responses of {len(fit.omega)} modes differ from those measured by "
             f"{fit.misfit:.2f} of these"
         )
+    # Of a fit that is none, nothing else is told.
+    if refused:
+        return
     # Poles of a search come and go, those of a user are meant.
     if (given := test.body.measured.poles) is not None:
         for frequency, _ in found.dropped:

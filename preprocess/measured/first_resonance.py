@@ -30,6 +30,10 @@ damping ratios up to 0.5"""
 DAMPED_BELOW = 0.8
 """line that is out of phase over that of the peak: nearer to it they are of one lightly damped
 mode"""
+BEYOND_CORDS = 1.5
+"""of the highest resonance on cords, from which on a part is free of them"""
+LEAST_OF_FIT = 5
+"""lines, for three numbers of each response and two of all"""
 START_OF_FIT, BOUNDS_OF_FIT = (1.2, 0.2), ((0.8, 2.0), (0.0, 1.5))
 """of f_1 over the line that is out of phase, and of zeta"""
 
@@ -86,6 +90,8 @@ def _damped(f: Array, H: Complex, turn: float) -> FirstResonance:
     """The resonance of lines below one that is out of phase."""
     end = PART_OF_RESONANCE * turn
     lines = f < end
+    if lines.sum() < LEAST_OF_FIT:
+        return FirstResonance(turn, 0.0, end)
     values = H[lines].reshape(int(lines.sum()), -1)
     whole = np.vstack([values.real, values.imag])
     # All that the residual needs of many responses.

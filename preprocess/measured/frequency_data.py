@@ -1,6 +1,6 @@
 """Frequency responses in files, as accelerances: arrays of NumPy, HDF5 and MATLAB, or UFF."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -86,9 +86,15 @@ def read_responses(
         )
     if kind not in POWERS_OF_S:
         raise MeasurementError(f"{path}: expected one of {', '.join(POWERS_OF_S)}, found {kind!r}")
-    if not np.isfinite(H).all() or not np.isfinite(f).all():
-        raise MeasurementError(f"{path}: expected finite numbers, found others")
-    if len(f) < LEAST_LINES or not (np.diff(f) > 0.0).all() or f[0] < 0.0:
+    if not np.isfinite(f).all():
+        raise MeasurementError(f"{path}: expected finite frequencies, found others")
+    _require_responses(path, f, H, channels.names, hits.labels)
+    if len(f) >= LEAST_LINES and (back := np.flatnonzero(np.diff(f) <= 0.0)).size:
+        raise MeasurementError(
+            f"{path}: expected frequencies [Hz], ascending, found {f[back[0] + 1]:g} after "
+            f"{f[back[0]]:g}"
+        )
+    if len(f) < LEAST_LINES or f[0] < 0.0:
         raise MeasurementError(
             f"{path}: expected {LEAST_LINES} frequencies [Hz] or more, ascending, found {len(f)}"
         )
@@ -97,6 +103,23 @@ def read_responses(
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
     return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
+
+
+def _require_responses(
+    path: Path, f: Array, H: Complex, channels: Sequence[str], hits: Sequence[str]
+) -> None:
+    """`MeasurementError` names the first response that is no number, and what is dead."""
+    if len(wrong := np.argwhere(~np.isfinite(H))):
+        k, o, i = wrong[0]
+        raise MeasurementError(
+            f"{path}: expected finite numbers, found {H[k, o, i]:.3g} in {channels[o]} by "
+            f"{hits[i]} at {f[k]:g} Hz"
+        )
+    for kind, names, others in (("channel", channels, (0, 2)), ("hit", hits, (0, 1))):
+        if len(dead := np.flatnonzero(~H.any(axis=others))):
+            raise MeasurementError(
+                f"{path}: {kind} {names[dead[0]]}: expected responses, all are 0"
+            )
 
 
 def _require_coherences(path: Path, f: Array, coherence: Array) -> None:
@@ -122,9 +145,10 @@ def _of_arrays(
         raise MeasurementError(f"{path}: expected the arrays response and step, found none")
     if missing := [key for key in ("f", "H") if key not in arrays]:
         raise MeasurementError(f"{path}: expected the arrays f and H, found no {missing[0]}")
-    f = np.asarray(arrays["f"], dtype=float).ravel()
-    H = np.asarray(arrays["H"], dtype=complex)
-    coherence = np.asarray(arrays["coherence"], dtype=float) if "coherence" in arrays else None
+    with about(path, MeasurementError, "file", "not arrays of numbers", (TypeError, ValueError)):
+        f = np.asarray(arrays["f"], dtype=float).ravel()
+        H = np.asarray(arrays["H"], dtype=complex)
+        coherence = np.asarray(arrays["coherence"], dtype=float) if "coherence" in arrays else None
     shape = (len(f), len(channels.names), len(hits.labels))
     for key, values in (("H", H), ("coherence", coherence)):
         if values is not None and values.shape != shape:

@@ -21,11 +21,13 @@ from ...files.arrays import Array, Complex
 from ..identification.responses import Measurement
 from .channels import ChannelTable
 from .coordinates import rigid_rows, space_rows
-from .first_resonance import first_resonance
+from .first_resonance import FirstResonance, first_resonance
 from .hits import HitTable
 
 LEAST_OF_LINE = 8
 """how many lines the mass line must have"""
+LEAST_SPAN = 1.5
+"""of its highest line over its lowest: noise of a shorter one is far more at f = 0"""
 LARGEST_GAIN_ERROR, LARGEST_ANGLE = 0.1, 10.0
 """relative, and in degrees; honest tests are within 0.06 and 5"""
 LARGEST_OFFSET = 0.03
@@ -67,12 +69,32 @@ def mass_line(s: Complex, H: Complex) -> MassLine | None:
         return None
     f = s.imag / (2.0 * np.pi)
     first = first_resonance(f, H)
-    if first is None:
+    if first is None or is_too_high(f[0], first):
         return None
     lines = f < first.end
     if lines.sum() < LEAST_OF_LINE:
         return None
     return MassLine(f[lines], first.real_part(f[lines]), H[lines].real)
+
+
+def is_too_high(lowest: float, first: FirstResonance | None) -> bool:
+    """Whether lines from a frequency [Hz] on make no mass line below a resonance."""
+    return first is None or first.end < LEAST_SPAN * lowest
+
+
+def too_few_lines(first: FirstResonance | None) -> str:
+    """Why there is no mass line below a resonance, and what it takes."""
+    if first is None:
+        return "no resonance is in the band"
+    return (
+        f"too few lines below the first resonance, at {first.f:.4g} Hz: expected {LEAST_OF_LINE} "
+        f"or more, from {first.end / LEAST_SPAN:.3g} Hz or less on"
+    )
+
+
+def not_checked(first: FirstResonance | None) -> str:
+    """What to say where there is no mass line."""
+    return f"whether channels, hits and mass are right cannot be checked: {too_few_lines(first)}"
 
 
 def doubts_of_mass_line(
@@ -84,11 +106,7 @@ def doubts_of_mass_line(
     """
     line = mass_line(measured.s, measured.H)
     if line is None:
-        yield (
-            f"fewer than {LEAST_OF_LINE} lines below the first resonance: whether channels, hits "
-            "and mass are right cannot be checked; if that is a resonance of its cords, give "
-            "measured.suspension"
-        )
+        yield not_checked(first_resonance(measured.s.imag / (2.0 * np.pi), measured.H))
         return
     A = line.rigid
     # By their own levers, which points without rotations leave out of the coordinates.

@@ -11,6 +11,7 @@ from ..identification.responses import Measurement
 from .channels import ChannelTable, read_channels
 from .coherence import require_coherence
 from .coordinates import TestCoordinates, coordinates_of
+from .first_resonance import BEYOND_CORDS, FirstResonance, first_resonance
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
 from .rigid import RigidProperties, rigid_properties
@@ -18,7 +19,7 @@ from .rigid import RigidProperties, rigid_properties
 
 @dataclass(frozen=True, eq=False)
 class PartTest:
-    """All that a body file says of a test."""
+    """All that a body file says of a test; first: its first resonance beyond those of the cords."""
 
     body: MeasuredBody
     channels: ChannelTable
@@ -26,6 +27,7 @@ class PartTest:
     data: FrequencyData
     rigid: RigidProperties
     coordinates: TestCoordinates
+    first: FirstResonance | None
 
 
 def read_part_test(body: MeasuredBody) -> PartTest:
@@ -37,8 +39,12 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     used = (data.f >= low) & (data.f <= high)
     chosen = data.lines(np.flatnonzero(used))
     require_coherence(asked.frf, chosen)
+    # Lines that are not used show it still.
+    beyond = max(asked.band[0], BEYOND_CORDS * (asked.suspension or 0.0))
+    free = data.lines(np.flatnonzero((data.f >= beyond) & (data.f <= high)))
+    first = first_resonance(free.f, free.H)
     # Coordinates move about the center, which the responses may have to tell.
-    rigid = rigid_properties(asked, channels, hits, chosen)
+    rigid = rigid_properties(asked, channels, hits, chosen, first)
     coordinates = coordinates_of(body.interfaces, channels, hits, rigid.center)
     # Fewer lines than coordinates cannot tell them apart.
     if used.sum() < len(coordinates.rigid):
@@ -47,7 +53,7 @@ def read_part_test(body: MeasuredBody) -> PartTest:
             f"{low:g} to {high:g} Hz or more, found {int(used.sum())} of {data.f[0]:g} to "
             f"{data.f[-1]:g} Hz"
         )
-    return PartTest(body, channels, hits, chosen, rigid, coordinates)
+    return PartTest(body, channels, hits, chosen, rigid, coordinates, first)
 
 
 def measurement_of(test: PartTest) -> Measurement:

@@ -20,9 +20,10 @@ from ..body.measured_body import BY_RESPONSES, FrequencyTest, is_inertia
 from ..errors import MeasurementError, about
 from .channels import ChannelTable
 from .coordinates import SPACE_AXES, rigid_rows, space_rows
+from .first_resonance import FirstResonance
 from .frequency_data import FrequencyData
 from .hits import HitTable
-from .mass_line import LEAST_OF_LINE, ROBUST_FLOOR, ROBUST_STEPS, mass_line
+from .mass_line import ROBUST_FLOOR, ROBUST_STEPS, is_too_high, mass_line, too_few_lines
 
 LARGEST_RIGID_CONDITION = 1e3
 """of the motions of channels or the wrenches of hits, lengths scaled by their extent: above it
@@ -54,14 +55,18 @@ class RigidProperties:
 
 
 def rigid_properties(
-    asked: FrequencyTest, channels: ChannelTable, hits: HitTable, data: FrequencyData
+    asked: FrequencyTest,
+    channels: ChannelTable,
+    hits: HitTable,
+    data: FrequencyData,
+    first: FirstResonance | None,
 ) -> RigidProperties:
     """Those of the body file, or from where it says; `MeasurementError` where that has none."""
     given = asked.rigid
     if isinstance(given.source, Path):
         return _of_superelement(given.source)
     if given.source == BY_RESPONSES:
-        return _by_mass_line(asked, channels, hits, data)
+        return _by_mass_line(asked, channels, hits, data, first)
     if given.mass is None or given.center is None or given.inertia is None:
         raise MeasurementError("measured.rigid: expected mass, center and inertia, or from")
     return RigidProperties(given.mass, np.array(given.center), np.array(given.inertia))
@@ -75,14 +80,15 @@ def _of_superelement(path: Path) -> RigidProperties:
 
 
 def _by_mass_line(
-    asked: FrequencyTest, channels: ChannelTable, hits: HitTable, data: FrequencyData
+    asked: FrequencyTest,
+    channels: ChannelTable,
+    hits: HitTable,
+    data: FrequencyData,
+    first: FirstResonance | None,
 ) -> RigidProperties:
     line = mass_line(data.laplace(asked.window), data.H)
-    if line is None:
-        raise MeasurementError(
-            f'{asked.frf}: measured.rigid.from = "frf": expected {LEAST_OF_LINE} lines or more '
-            "below the first resonance, found fewer"
-        )
+    if line is None or is_too_high(data.f[0], first):
+        raise MeasurementError(f'{asked.frf}: measured.rigid.from = "frf": {too_few_lines(first)}')
     every = np.vstack([channels.points, hits.points])
     origin, extent = every.mean(axis=0), float(np.ptp(every, axis=0).max())
     motions = rigid_rows(channels.points - origin, channels.directions)

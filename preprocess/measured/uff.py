@@ -141,6 +141,10 @@ def _matrix(
             raise MeasurementError(f"{where}: no hit {label} in the table")
         i = hits.labels.index(label)
         sign *= _sign(int(one["ref_dir"]), hits.directions[i])
+        if not np.isfinite(data).all():
+            raise MeasurementError(
+                f"{where}: expected finite numbers, found others in {channels.names[o]} by {label}"
+            )
         if not np.isnan(H[0, o, i]):
             raise MeasurementError(
                 f"{where}: expected each pair once, found {channels.names[o]} by {label} twice"

@@ -33,7 +33,7 @@ def test_a_right_test_of_a_damped_part_has_no_doubts(damping, rigid, tmp_path):
 def test_stiff_cords_of_a_damped_part_are_one_message(damping, tmp_path):
     for errors in (ALL, NOISY):
         (found,) = doubts(measure(replace(errors, damping=damping, cords=8.0)), tmp_path)
-        said = re.match(r"the mass line says that the part has (\d+\.?\d*) Hz on its cords", found)
+        said = re.match(r"the part has (\d+\.?\d*) Hz on its cords", found)
         assert float(said[1]) == pytest.approx(8.0, rel=0.05)
 
 

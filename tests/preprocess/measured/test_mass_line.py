@@ -62,22 +62,42 @@ def test_stiff_cords_alone_are_one_message(low, cords, stiff, rigid, tmp_path):
         found = doubts(measure(replace(errors, cords=cords)), tmp_path, edit, rigid=rigid)
         assert len(found) == stiff
         for doubt in found:
-            said = re.match(r"the mass line says that the part has (\d+\.?\d*) Hz on its", doubt)
+            said = re.match(r"the part has (\d+\.?\d*) Hz on its", doubt)
             assert float(said[1]) == pytest.approx(cords, rel=0.15)
 
 
 def test_mass_by_responses_on_stiff_cords_is_none_or_told(tmp_path):
     bench = measure(replace(ALL, cords=16.0))
     (found,) = doubts(bench, tmp_path)
-    assert re.match(r"the mass line says that the part has 1[678] Hz on its cords", found)
+    assert re.match(r"the part has 1[678] Hz on its cords", found)
     with pytest.raises(MeasurementError, match=r"are its cords soft \(measured\.suspension\)"):
         doubts(bench, tmp_path, rigid='from = "frf"')
 
 
-@pytest.mark.parametrize("cords", [20.0, 30.0, 40.0])
-def test_cords_whose_resonance_is_in_the_band_are_asked_for(cords, tmp_path):
-    (found,) = doubts(measure(replace(ALL, cords=cords)), tmp_path)
-    assert "if that is a resonance of its cords, give measured.suspension" in found
+@pytest.mark.parametrize(
+    ("cords", "highest"), [(18.0, 24), (20.0, 27), (30.0, 40), (40.0, 54), (60.0, 81)]
+)
+def test_cords_with_resonances_in_the_band_are_told_by_the_highest(cords, highest, tmp_path):
+    """Of six, with which the part moves on them as a rigid one."""
+    for errors in (ALL, replace(ALL, noise=0.05, floor=5e-3, seed=2), replace(ALL, damping=0.3)):
+        (found,) = doubts(measure(replace(errors, cords=cords)), tmp_path)
+        assert found.startswith(f"the part has {highest} Hz on its cords, too much for lines from")
+
+
+def test_cords_that_leave_no_line_below_the_first_mode_are_told_as_that(tmp_path):
+    """Lines from 200 Hz on have the second mode, at 525 Hz, as their first."""
+    bench = measure(replace(ALL, cords=30.0))
+    first, second = doubts(bench, tmp_path, suspension=40.0)
+    assert first.startswith("lines below 200 Hz are not used")
+    assert "cannot be checked: too few lines below the first resonance, at 18" in second
+    with pytest.raises(MeasurementError, match="too few lines below the first resonance, at 18"):
+        doubts(bench, tmp_path, suspension=40.0, rigid='from = "frf"')
+
+
+def test_a_wrong_wire_hides_no_cords(tmp_path):
+    bench = with_fault(measure(replace(ALL, cords=30.0)), scaled("1:y", -1.0))
+    (found,) = doubts(bench, tmp_path)
+    assert re.match(r"the part has (30|36|40) Hz on its cords", found)
 
 
 def test_sensors_and_hits_of_points_without_rotations_are_where_they_are(tmp_path):
@@ -196,10 +216,18 @@ def test_a_wrong_mass_is_one_message(tmp_path):
     assert "kg with what is mounted on it, and [measured] has 2.247 kg" in found
 
 
-def test_a_band_without_a_mass_line_says_that_nothing_was_checked(tmp_path):
-    edit = table("angle.toml", "band = [20, 5000]", "band = [160, 5000]")
-    (found,) = doubts(measure(ALL), tmp_path, edit)
-    assert "cannot be checked" in found
+@pytest.mark.parametrize(("low", "damping"), [(110, 0.0), (120, 0.0), (160, 0.0), (128, 0.1)])
+def test_a_band_without_a_mass_line_says_that_nothing_was_checked(low, damping, tmp_path):
+    """Nor that something is wrong, which noise of a short line would say."""
+    edit = table("angle.toml", "band = [20, 5000]", f"band = [{low}, 5000]")
+    for seed in (1, 2, 3):
+        (found,) = doubts(measure(replace(ALL, damping=damping, seed=seed)), tmp_path, edit)
+        assert re.fullmatch(
+            r"whether channels, hits and mass are right cannot be checked: too few lines below "
+            r"the first resonance, at 1\d\d(\.\d)? Hz: expected 8 or more, from \d+(\.\d)? Hz or "
+            "less on",
+            found,
+        )
 
 
 def test_warnings_and_refusals_name_what_is_wrong(tmp_path):

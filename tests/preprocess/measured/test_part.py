@@ -177,9 +177,9 @@ def same(element, other):
         (other.modes.omega, other.modes.zeta),
         strict=True,
     ):
-        np.testing.assert_allclose(one, two, rtol=1e-4)
+        np.testing.assert_allclose(one, two, rtol=1e-6)
     np.testing.assert_allclose(
-        element.compliance, other.compliance, atol=1e-4 * np.abs(other.compliance).max()
+        element.compliance, other.compliance, atol=1e-6 * np.abs(other.compliance).max()
     )
 
 
@@ -226,6 +226,7 @@ def spoilt(**changes):
     [
         (lambda path, bench: path.write_bytes(b"no"), "angle.npz: not readable arrays"),
         (lambda path, bench: None, "angle.npz: no such file"),
+        (spoilt(H=np.array([["a"]])), "angle.npz: not arrays of numbers"),
         (spoilt(H=None), "angle.npz: expected the arrays f and H, found no H"),
         (
             spoilt(H=np.ones((3, 2, 1))),
@@ -248,6 +249,42 @@ def test_wrong_responses_are_refused_by_name(write, message, coarse, tmp_path):
     (tmp_path / "angle.npz").unlink()
     write(tmp_path / "angle.npz", coarse)
     with pytest.raises(MeasurementError, match=message):
+        preprocess.build(preprocess.read_body(path))
+
+
+def of_one(channel, hit, value):
+    """Responses of one channel, of one hit or of both that are a number at some lines."""
+
+    def write(path, bench):
+        H = bench.H.copy()
+        H[30:, channel, hit] = value
+        if value == 0.0:
+            H[:, channel, hit] = value
+        spoilt(H=H)(path, bench)
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("write", "message"),
+    [
+        (of_one(4, 3, np.nan), r"finite numbers, found nan.* in 2:y by 104 at \d+ Hz$"),
+        (of_one(4, slice(None), np.inf), r"finite numbers, found inf.* in 2:y by 101 at \d+ Hz$"),
+        (of_one(4, slice(None), 0.0), r"channel 2:y: expected responses, all are 0$"),
+        (of_one(slice(None), 3, 0.0), r"hit 104: expected responses, all are 0$"),
+    ],
+)
+def test_what_is_no_response_is_named(write, message, coarse, tmp_path):
+    path = coarse.write(tmp_path)
+    write(tmp_path / "angle.npz", coarse)
+    with pytest.raises(MeasurementError, match=message):
+        preprocess.build(preprocess.read_body(path))
+
+
+def test_lines_that_go_back_are_named(coarse, tmp_path):
+    path = coarse.write(tmp_path)
+    spoilt(f=np.concatenate([coarse.f[:9], coarse.f[:-9]]))(tmp_path / "angle.npz", coarse)
+    with pytest.raises(MeasurementError, match=r"ascending, found 20 after 52$"):
         preprocess.build(preprocess.read_body(path))
 
 
