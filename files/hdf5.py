@@ -40,7 +40,7 @@ DAMAGE_ERRORS = (
 )
 
 
-FORMATS = {
+HDF5_KINDS = {
     "duhamel-superelement": (
         "a superelement",
         "models take it as superelement of a body, duhamel info and check show it",
@@ -49,23 +49,23 @@ FORMATS = {
     "duhamel-state": ("the checkpoint of a run", "duhamel run --continue goes on from it"),
 }
 """what the files of Duhamel are, by their attribute `format`, and what takes them"""
-MAKERS = {"duhamel-superelement": "duhamel preprocess", "duhamel-results": "duhamel run"}
+MADE_BY = {"duhamel-superelement": "duhamel preprocess", "duhamel-results": "duhamel run"}
 
 
-def require_format(file: h5py.File, wanted: str) -> None:
+def require_kind(file: h5py.File, wanted: str) -> None:
     """`FileError` that says what a file is that has another format than the wanted one."""
     found = file.attrs.get("format")
     found = found.decode(errors="replace") if isinstance(found, bytes) else found
     if isinstance(found, str) and found == wanted:
         return
-    if isinstance(found, str) and found in FORMATS:
-        what, use = FORMATS[found]
+    if isinstance(found, str) and found in HDF5_KINDS:
+        what, use = HDF5_KINDS[found]
     elif isinstance(found, str) and found.startswith("duhamel-"):
         what, use = f"{found!r}", "a later Duhamel reads it"
     else:
         what = "an HDF5 file of another program"
-        use = f"{MAKERS.get(wanted, 'duhamel run')} writes what is expected here"
-    raise FileError(f"expected {FORMATS[wanted][0]}, found {what}: {use}")
+        use = f"{MADE_BY.get(wanted, 'duhamel run')} writes what is expected here"
+    raise FileError(f"expected {HDF5_KINDS[wanted][0]}, found {what}: {use}")
 
 
 @contextmanager

@@ -18,7 +18,7 @@ MAX_NESTING = 32
 # TOML promises 64 bits; Python would read any number of digits.
 TOML_INTEGERS = range(-(1 << 63), 1 << 63)
 Keys = tuple[str, ...]
-SLIPS = {
+TOML_SLIPS = {
     r"^\[[^\[]": "; a table is written once, and each of several joints or loads as [[joints]]",
     r"=\s*[-+]?\d+,\d": "; decimals take a point",
     r"=\s*(?i:yes|no|on|off|true|false)\b": "; expected true or false",
@@ -76,7 +76,7 @@ def _slip(said: str, text: str) -> str:
         return ""
     lines = text.splitlines()
     line = lines[min(int(at[1]), len(lines)) - 1].strip() if lines else ""
-    hints = (hint for pattern, hint in SLIPS.items() if re.search(pattern, line))
+    hints = (hint for pattern, hint in TOML_SLIPS.items() if re.search(pattern, line))
     return f": {quoted(line)}{next(hints, '')}"
 
 

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 from ..files.arrays import Array
-from ..files.hdf5 import failures_named, require_contained, require_format, texts
+from ..files.hdf5 import failures_named, require_contained, require_kind, texts
 from ..files.outputs import in_words, replace_durably, resolved
 from .batches import Batch, EventRows
 from .contents import EARLIEST_VERSION, RESULTS_FORMAT, RESULTS_VERSION, Contents, SuperelementFile
@@ -408,7 +408,7 @@ def _failures_named(path: Path) -> Iterator[None]:
 
 
 def _check_format(file: h5py.File) -> None:
-    require_format(file, RESULTS_FORMAT)
+    require_kind(file, RESULTS_FORMAT)
     if not EARLIEST_VERSION <= (version := int(file.attrs.get("version", 0))) <= RESULTS_VERSION:
         raise ResultsError(
             f"results file of version {version}; this Duhamel reads versions {EARLIEST_VERSION} to "

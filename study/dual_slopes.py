@@ -30,6 +30,8 @@ CHAIN_STEPS = np.array([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 """of the scale of a parameter, along its derivative"""
 MAX_DEPARTURE = 1e-6
 """of an output, or of its derivative times the size of a parameter"""
+DEPARTURE_MARGIN = 10.0
+"""the error of a derivative over the departure of its output, where rounding grows: 1.4 to 2"""
 LEAST_ERROR = 1e-11
 """of a derivative: seeds have the rounding of differences over 1e-4 of a parameter"""
 ABSOLUTE_ROUNDING = 1e-12
@@ -47,10 +49,12 @@ BESIDE_PARABOLA = np.eye(len(NEARBY_VALUES)) - np.vander(NEARBY_VALUES, 3) @ np.
 BY_NUMBERS = np.linalg.pinv(np.vander(NEARBY_VALUES / 1e-2, 5))[-2] / 1e-2
 """weights of values at `NEARBY_VALUES` in the slope at 0 of the polynomial of fourth degree"""
 
-DUAL = "dual"
-DERIVATIVE_METHODS = ("differences", DUAL)
+DUAL_NUMBERS = "dual"
+DERIVATIVE_METHODS = ("differences", DUAL_NUMBERS)
 """of fits and searches"""
-SWITCH_NOTE = "something switches within the run: derivatives are taken by differences there"
+DIFFERENCES_INSTEAD = (
+    "something switches within the run: derivatives are taken by differences there"
+)
 
 
 class DualSlopes(NamedTuple):
@@ -72,8 +76,11 @@ def dual_slopes(
         differentiation = Differentiation(family.make, scales, results, asked.numbers)
         found = differentiation.at(family.values)
         value, error = _chained(found, asked, scales)
-        error = np.maximum(error, LEAST_ERROR * np.abs(value))
-        _check(asked, asked.numbers(found.values), asked.numbers(results), value, scales)
+        away = _departures(
+            asked, asked.numbers(found.values), asked.numbers(results), value, scales
+        )
+        shares = np.maximum(LEAST_ERROR, DEPARTURE_MARGIN * away)
+        error = np.maximum(error, shares[:, None] * np.abs(value))
     except DerivativeError as failure:
         raise StudyError(f'{failure}; take method = "differences"') from failure
     if found.switches:
@@ -133,7 +140,7 @@ def runs_with_derivatives(n: int) -> int:
     return -(-n // max(DERIVATIVE_COUNTS))
 
 
-def check_derivatives(method: str) -> None:
+def check_method(method: str) -> None:
     """`StudyError` for no method of fits and searches."""
     if method not in DERIVATIVE_METHODS:
         raise StudyError(
@@ -141,19 +148,22 @@ def check_derivatives(method: str) -> None:
         )
 
 
-def _check(
+def _departures(
     asked: AskedNumbers,
     found: Array,
     plain: Array,
     value: Array,
     scales: Mapping[str, float],
-) -> None:
-    """`DerivativeError` where outputs came out otherwise than without derivatives."""
+) -> Array:
+    """By which shares (m,) numbers came out otherwise than without derivatives.
+
+    `DerivativeError` where that is more than rounding.
+    """
     sizes = np.abs(plain) + np.abs(value * list(scales.values())).max(axis=1)
     # What is no number in either run is no miss.
     away = np.where(np.isnan(found) & np.isnan(plain), 0.0, np.abs(found - plain))
     of_outputs, of_series = asked.split(np.stack([away, sizes], axis=1))
-    parts = [*of_outputs[:, None], *of_series.values()]
+    parts, shares = [*of_outputs[:, None], *of_series.values()], []
     for output, part in zip((*asked.outputs, *asked.series), parts, strict=True):
         miss, size = part[:, 0].max(), np.nan_to_num(part[:, 1]).max()
         # Not at most, as what is no number in one of them alone is not.
@@ -162,6 +172,8 @@ def _check(
                 f"{output} differs by {miss:.2g} of {size:.2g} from the run without derivatives: "
                 "rounding grows in this motion"
             )
+        shares += len(part) * [miss / size if size > 0.0 else 0.0]
+    return np.array(shares)
 
 
 def _chained(

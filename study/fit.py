@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..files import require_no_input
 from ..solver import Model
-from .dual_slopes import check_derivatives
+from .dual_slopes import check_method
 from .errors import StudyError
 from .fit_problem import FitProblem
 from .measured_series import MeasuredSeries, check_times, read_series
@@ -141,7 +141,7 @@ def fit_model(
         _series(quantity, time, values, deviations[quantity])
         for quantity, (time, values) in series.items()
     ]
-    check_derivatives(derivatives)
+    check_method(derivatives)
     return _fitted(family, starts, measured, shift, derivatives)
 
 

@@ -9,7 +9,7 @@ from ..results import Results
 from ..solver import simulate
 from .central_differences import central_differences
 from .covariance import covariance_of
-from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
+from .dual_slopes import DIFFERENCES_INSTEAD, DUAL_NUMBERS, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .measured_series import MeasuredSeries
 from .model_fit import FittedParameter, ModelFit
@@ -94,7 +94,7 @@ class FitProblem:
             ]
 
         base, steps = self._residuals_of(run, shift), [JACOBIAN_STEP] * len(axes)
-        found = self._exact(run, values, shift) if self._derivatives == DUAL else None
+        found = self._exact(run, values, shift) if self._derivatives == DUAL_NUMBERS else None
         if found is None:
             found, _ = central_differences(axes, values, base, residuals_at, steps)
         if len(axes) < len(self.axes):
@@ -114,7 +114,7 @@ class FitProblem:
             [len(one.time) for one in self._series],
         )
         if found is None:
-            self._notes[SWITCH_NOTE] = None
+            self._notes[DIFFERENCES_INSTEAD] = None
             return None
         return found * [axis.slope(values[axis.name]) for axis in axes]
 

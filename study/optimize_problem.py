@@ -13,7 +13,7 @@ from ..results import Results, SeriesError
 from ..solver import simulate
 from .central_differences import central_differences
 from .differences import DIFFERENCE_STEPS, slopes_of
-from .dual_slopes import DUAL, SWITCH_NOTE, exact_slopes, runs_with_derivatives
+from .dual_slopes import DIFFERENCES_INSTEAD, DUAL_NUMBERS, exact_slopes, runs_with_derivatives
 from .errors import StudyError
 from .goals import Goals
 from .parametrized import Parametrized
@@ -100,7 +100,7 @@ class OptimizeProblem:
         self.moves = np.zeros((len(self.axes), len(self._rows)), dtype=bool)
         """whether a parameter has moved a number (n, m)"""
         # Derivatives without steps need none to be chosen.
-        self._dual = self.goals.table.derivatives == DUAL
+        self._dual = self.goals.table.derivatives == DUAL_NUMBERS
         exact = self._exact(self.start) if self._dual else None
         self.uneven = list[str]()
         if exact is None:
@@ -298,7 +298,7 @@ class OptimizeProblem:
         except StudyError as error:
             raise SearchStoppedError(str(error)) from error
         if found is None:
-            self._dual, self.switch_notes = False, [SWITCH_NOTE]
+            self._dual, self.switch_notes = False, [DIFFERENCES_INSTEAD]
             # What switches is uneven, as differences at the start would have told.
             self._steps[:] = DIFFERENCE_STEPS[0]
             return None

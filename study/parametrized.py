@@ -101,7 +101,6 @@ def numeric_value_at(tables: Mapping[str, Any], key: str) -> float:
 
 
 def numeric(name: str, value: Any) -> float:
-    # Those of numpy are real too, but for its bool.
     if isinstance(value, bool) or not isinstance(value, Real):
         raise StudyError(f"parameters.{dotted([name])}: expected a number, found {quoted(value)}")
     return float(value)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..files import object_and_path, renamed_when_whole
 from ..files.arrays import Array
-from ..files.hdf5 import decoded, opened, require_format
+from ..files.hdf5 import decoded, opened, require_kind
 from ..files.outputs import AnyPath, in_words, resolved
 from .chain import Chain
 from .channels import Channels
@@ -400,7 +400,7 @@ def _put_provenance(parent: h5py.Group, source: Provenance) -> None:
 
 
 def _superelement(file: h5py.File, recovery: bool) -> Superelement:
-    require_format(file, SUPERELEMENT_FORMAT)
+    require_kind(file, SUPERELEMENT_FORMAT)
     version = expect(file, "version", *ACCELERANCE_DATASETS)
     expect(file, "units", "SI")
     interfaces = _interfaces(file)

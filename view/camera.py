@@ -15,11 +15,12 @@ PLANE_MOTION_TILT = np.radians(12.0), np.radians(-10.0)
 MAX_PLANE_THICKNESS = 0.12
 # Lines and marks at the rim are wider than the points that the camera knows.
 FITTED_MARGIN = 1.06
-# Height of all frames over the largest one: a rod that turns about its end has 2.
 MAX_TRAVEL = 2.5
-# Of what is seen, across and up, where bodies stay while the camera follows them.
+"""height of all frames over the largest one: a rod that turns about its end has 2"""
 FOLLOWED_SHARE = 0.8
+"""of what is seen, across and up, where bodies stay while the camera follows them"""
 PATH_ROUNDS = 400
+"""of smoothing"""
 # Onto planes: towards the eye, and up.
 NAMED_VIEWS = {
     "xy": ((0, 0, 1), (0, 1, 0)),

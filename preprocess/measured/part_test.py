@@ -39,7 +39,6 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     used = (data.f >= low) & (data.f <= high)
     chosen = data.lines(np.flatnonzero(used))
     require_coherence(asked.frf, chosen)
-    # Lines that are not used show it still.
     beyond = max(asked.band[0], BEYOND_CORDS * (asked.suspension or 0.0))
     free = data.lines(np.flatnonzero((data.f >= beyond) & (data.f <= high)))
     first = first_resonance(free.f, free.H)

@@ -16,7 +16,7 @@ SURE_OF_SUSPENSION = 2.0
 
 LEAST_PART = 0.3
 """of the rigid motion in a line: below, cords turn the part more than they hold it"""
-PROMINENCE = float(np.log(1.5))
+PEAK_PROMINENCE = float(np.log(1.5))
 """of a resonance among the levels of lines"""
 MOST_BENDING = 0.5
 """of the responses at a resonance of cords; they have up to 0.14, those of bending 0.75"""
@@ -69,7 +69,7 @@ def _resonance_on_cords(measured: Measurement) -> float:
     squares = (np.abs(H) ** 2).sum(axis=(1, 2))
     bent = 1.0 - (np.abs(Q.T @ H) ** 2).sum(axis=(1, 2)) / squares
     alpha, found = _part_of_rigid_motion(measured), 0.0
-    for k in find_peaks(0.5 * np.log(squares), prominence=PROMINENCE)[0]:
+    for k in find_peaks(0.5 * np.log(squares), prominence=PEAK_PROMINENCE)[0]:
         if bent[k] > MOST_BENDING**2:
             break
         beyond = (f > BEYOND_CORDS * f[k]) & (f < LINES_BEYOND * f[k])

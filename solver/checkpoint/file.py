@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from ...files import renamed_when_whole, require_regular
-from ...files.hdf5 import failures_named, require_format
+from ...files.hdf5 import failures_named, require_kind
 from ..errors import StateError
 from .carried import Snapshot
 from .identity import Identity
@@ -120,7 +120,7 @@ def _whole(path: Path) -> io.BytesIO:
 
 
 def _check_format(file: h5py.File) -> None:
-    require_format(file, STATE_FORMAT)
+    require_kind(file, STATE_FORMAT)
     if (version := int(file.attrs.get("version", 0))) != STATE_VERSION:
         raise StateError(f"state of version {version}; this Duhamel reads version {STATE_VERSION}")
 

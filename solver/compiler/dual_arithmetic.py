@@ -320,7 +320,6 @@ WITH_SLOPES: dict[Any, Callable[[Any, Any], tuple[Any, Any]]] = {
     math.cos: _cosine,
     math.exp: _exponential,
     math.log: _logarithm,
-    # Of functions of users alone.
     math.fabs: _absolute,
     math.tan: _tangent,
     math.atan: _arctangent_of_one,

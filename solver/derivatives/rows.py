@@ -116,5 +116,4 @@ class _MovedOutput:
 
     def __getattr__(self, name: str) -> Array | Index:
         found = self._source.arrays[name]
-        # Whole numbers have no derivatives.
         return self._source.moved(found) if found.dtype == np.float64 else found

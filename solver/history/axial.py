@@ -130,7 +130,6 @@ def _lines_between(
     rotations = (rows[:, None] + np.arange(3)).ravel()
     n = len(turning)
     C = element.compliance[np.ix_(rotations, rotations)].reshape(n, 3, n, 3).transpose(0, 2, 1, 3)
-    # The 3 x 3 blocks on the diagonal.
     own = np.einsum("iiab->iab", C)
     i, j = np.triu_indices(n, 1)
     apart = points[j] - points[i]

@@ -27,7 +27,6 @@ class Pieces:
         x = t - self._origins[i]
         columns = self.coefficients.T
         value: Array = columns[-1][i]
-        # Horner's rule, over all times at once.
         for column in columns[-2::-1]:
             value = value * x + column[i]
         return value

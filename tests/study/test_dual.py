@@ -35,7 +35,7 @@ from duhamel.study import (
     sensitivities,
     sensitivities_of,
 )
-from duhamel.study.dual_slopes import SWITCH_NOTE, _check
+from duhamel.study.dual_slopes import DIFFERENCES_INSTEAD, _departures
 
 from ..solver.frameworks import bar
 from .test_sensitivity import bouncing, height_by_stiffness, pushed
@@ -242,10 +242,12 @@ def test_a_study_file_names_the_method(tmp_path):
 def test_what_is_no_number_in_one_of_both_runs_is_a_miss():
     asked = SimpleNamespace(outputs={"a": "", "b": ""}, series={}, split=lambda x: (x, {}))
     slopes, plain = np.ones((2, 1)), np.array([1.0, np.nan])
-    _check(asked, plain, plain, slopes, {"p": 1.0})
+    assert not _departures(asked, plain, plain, slopes, {"p": 1.0}).any()
+    shares = _departures(asked, plain + 1e-8, plain, slopes, {"p": 1.0})
+    np.testing.assert_allclose(shares, [5e-9, 0.0])
     for found in ([np.nan, np.nan], [1.0, 2.0]):
         with pytest.raises(DerivativeError, match="from the run without derivatives"):
-            _check(asked, np.array(found), plain, slopes, {"p": 1.0})
+            _departures(asked, np.array(found), plain, slopes, {"p": 1.0})
 
 
 @pytest.mark.parametrize("logarithmic", [False, True])
@@ -297,12 +299,12 @@ def test_where_something_switches_fits_and_searches_take_differences():
     results = simulate(striking(1.2e5))
     series = {"velocity:ball:z": (results.time, results.body("ball").velocity[:, 2])}
     fitted = fit_model(striking(), key, series, derivatives="dual")
-    assert SWITCH_NOTE in list(fitted.notes)
+    assert DIFFERENCES_INSTEAD in list(fitted.notes)
     assert fitted.values["k"] == pytest.approx(1.2e5, rel=1e-3)
     found = optimize_model(
         striking(), key, {"peak": "max event:wall:peak"}, minimize="peak", derivatives="dual"
     )
-    assert SWITCH_NOTE in found.remarks
+    assert DIFFERENCES_INSTEAD in found.remarks
     assert found.values["k"] == pytest.approx(5e4)
 
 
