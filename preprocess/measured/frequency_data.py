@@ -37,17 +37,18 @@ DAMAGE_OF_RESPONSES = (
 class FrequencyData:
     """f (k,) [Hz] ascending, and accelerances (k, n_o, n_i) [1/kg] of channels by hits.
 
-    coherence (k, n_o, n_i): of each, None where the file has none.
+    coherence (k, n_o, n_i): of each, None where the file has none; quantity: what the file has.
     """
 
     f: Array
     H: Complex
     coherence: Array | None = None
+    quantity: str = "accelerance"
 
     def lines(self, used: IntArray) -> "FrequencyData":
         """The lines of some numbers."""
         coherence = None if self.coherence is None else self.coherence[used]
-        return FrequencyData(self.f[used], self.H[used], coherence)
+        return FrequencyData(self.f[used], self.H[used], coherence, self.quantity)
 
     def laplace(self, window: float) -> Complex:
         """s (k,) [1/s] of the lines, under an exponential window [1/s]."""
@@ -102,7 +103,7 @@ def read_responses(
         _require_coherences(path, f, coherence)
     # A windowed response is that at a shifted s, its derivatives too.
     s = 2j * np.pi * f + window
-    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence)
+    return FrequencyData(f, H * (s ** POWERS_OF_S[kind])[:, None, None], coherence, kind)
 
 
 def _require_responses(

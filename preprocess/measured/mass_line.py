@@ -117,7 +117,7 @@ def doubts_of_mass_line(
     if abs(mass - 1.0) > LARGEST_GAIN_ERROR:
         yield (
             f"the mass line says that the part has {measured.M[0, 0] / mass:.4g} kg with what is "
-            f"mounted on it, and [measured] has {measured.M[0, 0]:.4g} kg"
+            f"mounted on it, and [measured] has {measured.M[0, 0]:.4g} kg{_all_in(mass)}"
         )
         # Inertia is then wrong too, and so is the place of everything.
         return
@@ -228,6 +228,12 @@ def _as_wired(label: str, own: Array, names: list[str]) -> list[str]:
             if abs(sizes[k] - 1.0) > LARGEST_GAIN_ERROR
         ]
     return found
+
+
+def _all_in(gain: float) -> str:
+    """The unit in which all channels may be."""
+    unit = _unit(gain)
+    return f"{unit[:2]}are all channels {unit[2:]}" if unit else ""
 
 
 def _unit(gain: float) -> str:

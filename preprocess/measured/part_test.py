@@ -14,6 +14,7 @@ from .coordinates import TestCoordinates, coordinates_of
 from .first_resonance import BEYOND_CORDS, FirstResonance, first_resonance
 from .frequency_data import FrequencyData, read_responses
 from .hits import HitTable, read_hits
+from .quantity import require_quantity
 from .rigid import RigidProperties, rigid_properties
 
 
@@ -39,6 +40,7 @@ def read_part_test(body: MeasuredBody) -> PartTest:
     used = (data.f >= low) & (data.f <= high)
     chosen = data.lines(np.flatnonzero(used))
     require_coherence(asked.frf, chosen)
+    require_quantity(asked.frf, chosen)
     beyond = max(asked.band[0], BEYOND_CORDS * (asked.suspension or 0.0))
     free = data.lines(np.flatnonzero((data.f >= beyond) & (data.f <= high)))
     first = first_resonance(free.f, free.H)

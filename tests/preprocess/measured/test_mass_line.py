@@ -94,6 +94,13 @@ def test_cords_that_leave_no_line_below_the_first_mode_are_told_as_that(tmp_path
         doubts(bench, tmp_path, suspension=40.0, rigid='from = "frf"')
 
 
+def test_all_channels_in_g_are_told_by_the_mass(tmp_path):
+    bench = measure(ALL)
+    (found,) = doubts(replace(bench, H=bench.H / 9.80665), tmp_path)
+    assert found.startswith("the mass line says")
+    assert found.endswith(" kg: are all channels in g?")
+
+
 def test_a_wrong_wire_hides_no_cords(tmp_path):
     bench = with_fault(measure(replace(ALL, cords=30.0)), scaled("1:y", -1.0))
     (found,) = doubts(bench, tmp_path)
