@@ -69,7 +69,8 @@ def build(folder: Path, epoch: str) -> list[Path]:
         "PYTHONHASHSEED": "0",
     }
     run("make", "build/types/.linked", cwd=tree, env=environment)
-    run(sys.executable, "tools/make_shipped_steps.py", cwd=tree, env=environment)
+    steps = "tools/make_shipped_steps.py"
+    run(sys.executable, steps, "--derivatives", cwd=tree, env=environment)
     for kind in ("wheel", "sdist"):
         program = f"from setuptools import build_meta; build_meta.build_{kind}({str(made)!r})"
         run(sys.executable, "-c", program, cwd=tree, env=environment)

@@ -98,11 +98,16 @@ def _name(target: str = HOST_TARGET) -> str:
 
 
 def object_files(targets: Sequence[str]) -> dict[str, bytes]:
-    """The object files for targets by name, kept or made now; `BuildError` where `build` fails.
+    """The object files for targets by name; `BuildError` where `build` fails.
 
-    Those that are missing are made together: most of the time is that of the first.
+    They are kept, or in the wheel, or made now. Those that are missing are made together: most of
+    the time is that of the first.
     """
-    kept = {target: _cached_code(target) for target in targets}
+    of_wheel = not os.environ.get("DUHAMEL_COMPILER")
+    kept = {
+        target: _cached_code(target) or (shipped_code(target) if of_wheel else None)
+        for target in targets
+    }
     missing = [target for target, code in kept.items() if code is None]
     found = {target: code for target, code in kept.items() if code is not None}
     return found | (_new_codes(missing) if missing else {})

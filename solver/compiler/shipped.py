@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 
 from .digests import checked_code, key
-from .targets import COMPILED_TARGETS, SHIPPED_TARGETS, own_platform
+from .targets import COMPILED_TARGETS, HOST_TARGET, own_platform
 
 SHIPPED_FOLDER = Path(__file__).with_name("shipped_steps")
 """made by tools/make_shipped_steps.py; empty in a checkout"""
@@ -17,19 +17,19 @@ def shipped_name(target: str) -> str:
 
 
 @cache
-def shipped_code() -> bytes | None:
+def shipped_code(wanted: str = HOST_TARGET) -> bytes | None:
     """The object file that the wheel has for this machine; None where it has none that fits.
 
     It fits where it was made of these sources, for this system, and the processor has what it uses.
     """
-    target = f"shipped-{own_platform()}"
+    target = f"shipped-{own_platform()}{'' if wanted == HOST_TARGET else f'-{wanted}'}"
     try:
         content = SHIPPED_FOLDER.joinpath(shipped_name(target)).read_bytes()
     except OSError:
         return None
     # The key of its sources stands before it: a checkout may have changed them since.
     own, _, rest = content.partition(b"\n")
-    if target not in SHIPPED_TARGETS or own != key(target).encode() or not _has_features(target):
+    if target not in COMPILED_TARGETS or own != key(target).encode() or not _has_features(target):
         return None
     return checked_code(rest)
 

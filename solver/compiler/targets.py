@@ -1,7 +1,7 @@
 """Processors and systems that the time step is compiled for."""
 
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,12 @@ SHIPPED_TARGETS = {
 """those whose code is in wheels, by SYSTEM and processor"""
 DERIVATIVE_COUNTS = (1, 4, 8, 16)
 """derivatives that a number may have: one, or vectors as processors have them"""
+SHIPPED_WITH_DERIVATIVES = {
+    f"{name}-derivatives-{k}": replace(target, derivatives=k)
+    for name, target in SHIPPED_TARGETS.items()
+    for k in DERIVATIVE_COUNTS[:3]
+}
+"""those that wheels of releases have beside these"""
 COMPILED_TARGETS = {
     HOST_TARGET: CodeTarget(is_loaded=True),
     **{f"derivatives-{k}": CodeTarget(is_loaded=True, derivatives=k) for k in DERIVATIVE_COUNTS},
@@ -40,6 +46,7 @@ COMPILED_TARGETS = {
     "x86_64-windows-v2": CodeTarget(WINDOWS_TRIPLE, "x86-64-v2"),
     "aarch64-darwin": CodeTarget("arm64-apple-macosx11.0.0", "apple-m1"),
     **SHIPPED_TARGETS,
+    **SHIPPED_WITH_DERIVATIVES,
 }
 """by their platforms in FMI 3.0; v2: for x86-64 processors without AVX2 and FMA"""
 

@@ -9,7 +9,7 @@ import pytest
 from duhamel.solver.compiler import digests, object_file, shipped
 from duhamel.solver.compiler.digests import key, with_digest
 from duhamel.solver.compiler.shipped import shipped_name
-from duhamel.solver.compiler.targets import SHIPPED_TARGETS, own_platform
+from duhamel.solver.compiler.targets import SHIPPED_TARGETS, SHIPPED_WITH_DERIVATIVES, own_platform
 
 CODE = b"an object file"
 OWN = f"shipped-{own_platform()}"
@@ -75,12 +75,24 @@ def test_who_asks_for_a_compiler_gets_it(ship, monkeypatch):
     assert object_file.compiler() == "quick"
 
 
+def test_code_with_derivatives_is_that_of_the_wheel_too(ship, tmp_path, monkeypatch):
+    ship()
+    target = f"{OWN}-derivatives-4"
+    content = key(target).encode() + b"\n" + with_digest(CODE)
+    (tmp_path / shipped_name(target)).write_bytes(content)
+    wanted = ["derivatives-4", "derivatives-1"]
+    assert object_file.object_files(wanted) == dict(zip(wanted, [CODE, b"built"], strict=True))
+    monkeypatch.setenv("DUHAMEL_COMPILER", "quick")
+    assert object_file.object_files(wanted) == dict.fromkeys(wanted, b"built")
+
+
 def test_keys_of_shipped_code_do_not_depend_on_what_is_installed(monkeypatch):
-    before = {target: key(target) for target in SHIPPED_TARGETS}
+    before = {target: key(target) for target in (*SHIPPED_TARGETS, *SHIPPED_WITH_DERIVATIVES)}
+    assert len(set(before.values())) == len(before)
     monkeypatch.setattr(digests, "_versions", lambda: ["others"])
     key.cache_clear()
     try:
-        assert {target: key(target) for target in SHIPPED_TARGETS} == before
+        assert {target: key(target) for target in before} == before
         assert key("x86_64-linux") not in before.values()
     finally:
         key.cache_clear()
