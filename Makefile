@@ -23,10 +23,10 @@ COMPILED := tests/solver/compiler tests/solver/test_rigid.py
 FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results \
   $(addprefix tests/cli/test_,run.py check.py init.py completion.py preprocess.py schemas.py) \
   tests/preprocess/body
-# What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; readers on the newest.
-# That a run goes on to the bit is tried on 3.11: it depends on no version.
-TESTS_OF_3.12 := $(COMPILED) tests/preprocess/parallel
-TESTS_OF_3.13 := $(filter-out tests/solver/test_restart.py,$(FAST))
+# What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; compiler and readers on the newest.
+TESTS_OF_3.12 := tests/solver/test_rigid.py tests/preprocess/parallel
+TESTS_OF_3.13 := $(filter-out tests/superelement tests/results tests/preprocess/body tests/solver/test_restart.py,$(FAST)) \
+  tests/superelement/test_file.py $(addprefix tests/results/test_,file.py old_files.py netcdf.py)
 PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 

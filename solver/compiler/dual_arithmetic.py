@@ -147,11 +147,14 @@ def _dual_of(args: Any) -> Any:
 def _declare(function: Any, n: tuple[int, ...], result: Callable[[Any], Any]) -> None:
     """Let numba know the type of a function of n numbers of which some have derivatives."""
 
-    @infer_global(function)
     class _Template(AbstractTemplate):  # type: ignore[misc]
+        key = function
+
         def generic(self, args: Any, kws: Any) -> Any:
             kind = _dual_of(args) if len(args) in n else None
             return None if kind is None else signature(result(kind), *args)
+
+    infer_global(function, types.Function(_Template))
 
 
 def _implement_pair(function: Any, rule: Callable[[Any, Number, Number], Number]) -> None:
