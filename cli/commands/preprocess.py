@@ -95,17 +95,17 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
         undamped = not (body.damping.model_fields_set or any(body.loss_factors.values()))
         if any(map(is_cad, body.files)):
             typer.echo(one_line(f"mesh: {element.provenance.mesh}"))
+    if undamped and element.measured is None:
+        typer.echo(
+            "note: the body file has no [damping], so what vibrates rings on for ever: give a "
+            "loss_factor, as 0.02, and its band"
+        )
     megabytes = target.stat().st_size / 1e6
     seconds = perf_counter() - start
     if body.impulse.modes is not None:
         kernel, method = element.kernel, element.provenance.method
         typer.echo(f"{method}: error {kernel.error:.2g} up to {kernel.band:.5g} Hz")
     typer.echo(one_line(f"{target}: {element.n_c} dofs, {megabytes:.3g} MB, {seconds:.2f} s"))
-    if undamped and element.measured is None:
-        typer.echo(
-            "note: the body file has no [damping], so what vibrates rings on for ever: give a "
-            "loss_factor, as 0.02, and its band"
-        )
 
 
 def _survey(body_file: Path, output: Path | None) -> None:
