@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from duhamel.files import FileError, hdf5
-from duhamel.files.hdf5 import require_format
+from duhamel.files.hdf5 import require_kind
 
 
 class DamageError(ValueError):
@@ -195,6 +195,7 @@ def test_a_heap_of_texts_that_leads_back_to_itself_is_refused(tmp_path):
         ("duhamel-results", "found results of a run: duhamel plot, peaks, report and animate"),
         ("duhamel-state", "found the checkpoint of a run: duhamel run --continue"),
         (b"duhamel-results", "found results of a run"),
+        ("duhamel-map", "found 'duhamel-map': a later Duhamel reads it"),
         ("other", "found an HDF5 file of another program: duhamel preprocess writes"),
         (7, "found an HDF5 file of another program"),
         (None, "found an HDF5 file of another program"),
@@ -205,4 +206,4 @@ def test_a_file_of_another_kind_is_told_with_what_takes_it(tmp_path, found, what
         if found is not None:
             file.attrs["format"] = found
         with pytest.raises(FileError, match=f"expected a superelement, {what}"):
-            require_format(file, "duhamel-superelement")
+            require_kind(file, "duhamel-superelement")
