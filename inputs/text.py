@@ -19,12 +19,14 @@ MAX_NESTING = 32
 TOML_INTEGERS = range(-(1 << 63), 1 << 63)
 Keys = tuple[str, ...]
 TOML_SLIPS = {
-    r"^\[[^\[]": "; a table is written once, and each of several joints or loads as [[joints]]",
+    r"^Cannot declare.*: '\[[^\[]": (
+        "; a table is written once, and each of several joints or loads as [[joints]]"
+    ),
     r"=\s*[-+]?\d+,\d": "; decimals take a point",
     r"=\s*(?i:yes|no|on|off|true|false)\b": "; expected true or false",
     r"=\s*[A-Za-z./]": "; texts take quotes",
 }
-"""what is usual in a line of TOML, by what is there instead"""
+"""what is usual in TOML, by what was said of a line and what is there instead"""
 
 
 def read_text(path: str | os.PathLike[str], failure: type[Exception] = InputError) -> str:
@@ -76,8 +78,9 @@ def _slip(said: str, text: str) -> str:
         return ""
     lines = text.splitlines()
     line = lines[min(int(at[1]), len(lines)) - 1].strip() if lines else ""
-    hints = (hint for pattern, hint in TOML_SLIPS.items() if re.search(pattern, line))
-    return f": {quoted(line)}{next(hints, '')}"
+    where = f": {quoted(line)}"
+    hints = (hint for slip, hint in TOML_SLIPS.items() if re.search(slip, f"{said}{where}"))
+    return where + next(hints, "")
 
 
 def _check(document: dict[str, Any]) -> None:
