@@ -5,67 +5,10 @@ from collections.abc import Iterable
 from reprlib import Repr
 from typing import Any
 
+from .words_of_others import WORDS_OF_OTHERS
+
 # An error stays on a few lines of a terminal whatever the file holds.
 MAX_QUOTED_LENGTH = 200
-
-
-WORDS_OF_OTHERS = {
-    "hinge": "revolute",
-    "pin": "revolute",
-    "slider": "prismatic",
-    "slide": "prismatic",
-    "translational": "prismatic",
-    "translator": "prismatic",
-    "weld": "fixed",
-    "tie": "fixed",
-    "bracket": "fixed",
-    "clamp": "fixed",
-    "ball": "spherical",
-    "join": "spherical",
-    "hooke": "universal",
-    "cardan": "universal",
-    "cv": "constant_velocity",
-    "convel": "constant_velocity",
-    "helical": "screw",
-    "inline": "point_on_line",
-    "inplane": "point_on_plane",
-    "link": "rod",
-    "moment": "torque",
-    "damper": "point",
-    "tsda": "point",
-    "spring": "point",
-    "rbe2": "rigid",
-    "kinematic": "rigid",
-    "rbe3": "average",
-    "distributing": "average",
-    "parts": "bodies",
-    "constraints": "joints",
-    "connectors": "joints",
-    "forces": "loads",
-    "connect": "between",
-    "young": "E",
-    "youngs_modulus": "E",
-    "poisson": "nu",
-    "density": "rho",
-    "dt": "step",
-    "time_step": "step",
-    "timestep": "step",
-    "end_time": "t_end",
-    "duration": "t_end",
-    "frequency_range": "band",
-    "amplitude": "signal",
-    "magnitude": "signal",
-    "value": "signal",
-    "body": "on",
-    "frame": "on",
-    "set": "group",
-    "nset": "group",
-    "c": "damping",
-    "k": "stiffness",
-    "maximum": "max",
-    "minimum": "min",
-}
-"""what other programs call what a file may have here"""
 
 
 class InputError(ValueError):
