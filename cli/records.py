@@ -16,7 +16,6 @@ from ..results.validity import Validity
 from ..solver import LinearModes, ModelCheck
 from ..study import Optimum, Sensitivities
 from ..superelement import Check, Modes, Superelement
-from .run_report import never_closed
 
 Record = dict[str, Any]
 SENSITIVITY_COLUMNS = ("output", "value", "parameter", "derivative", "error", "elasticity")
@@ -161,7 +160,7 @@ def run_record(model_file: Path, target: Path, results: Results, seconds: float)
             else None
         ),
         "energy_imbalance_j": float(results.energy.imbalance()[0]) if has_energy else None,
-        "never_closed": never_closed(results),
+        "never_closed": results.never_closed,
         "within_limits": not results.validity.warnings,
         "validity": validity_records(results.validity),
     }

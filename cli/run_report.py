@@ -54,18 +54,11 @@ def report(results: Results) -> Iterator[str]:
     for name in results.motors:
         yield f"motor {name}: {_motor(results, name)}"
     yield from str(results.validity).splitlines()
-    if names := never_closed(results):
+    if names := results.never_closed:
         yield (
             f"note: never closed in this run: {', '.join(names)}; if that is not meant, look at "
             "their gaps (duhamel check), shapes and t_end"
         )
-
-
-def never_closed(results: Results) -> list[str]:
-    """The contacts and stops that never closed, as far as rows tell it of surfaces."""
-    names = [name for name, events in results.events.items() if not len(events)]
-    surfaces = results.surface_contacts
-    return names + [n for n in surfaces if not results.surface_contact(n).closed_rows.any()]
 
 
 def _contact(events: Events, unit: str) -> str:

@@ -125,7 +125,7 @@ class Results:
         return f"<Results: {spanned(self.time)}, {len(self.time)} rows, bodies {bodies}>"
 
     def _repr_html_(self) -> str:
-        shown = rows(self.time, self.solver, self.recorded, self.validity, self.events)
+        shown = rows(self.time, self.solver, self.recorded, self.validity, self.never_closed)
         return table("Results", shown)
 
     @property
@@ -216,6 +216,13 @@ class Results:
     def events(self) -> dict[str, Events]:
         """The events of each contact and stop, which are counted whatever was recorded."""
         return Events.by_owner(self._source.events(), self._names("event_owner"))
+
+    @property
+    def never_closed(self) -> list[str]:
+        """Contacts and stops that never closed; those of surfaces where each step is recorded."""
+        found = [name for name, events in self.events.items() if not len(events)]
+        surfaces = self.surface_contacts if self.solver.get("every") == 1 else ()
+        return found + [n for n in surfaces if not self.surface_contact(n).closed_rows.any()]
 
     @property
     def energies(self) -> tuple[str, ...]:

@@ -1,11 +1,10 @@
 """Results in a few rows, for notebooks."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ..files.arrays import Array
 from ..files.html import Row, listed
-from .motion import Events
 from .validity import Validity
 
 
@@ -14,7 +13,7 @@ def rows(
     notes: Mapping[str, Any],
     recorded: tuple[str, ...],
     validity: Validity,
-    events: Mapping[str, Events],
+    never_closed: Sequence[str],
 ) -> Iterator[Row]:
     """Duration, steps, how far it is to be trusted, and what was recorded."""
     yield "time", spanned(time)
@@ -25,8 +24,8 @@ def rows(
     if "seconds" in notes:
         yield "computed in", f"{float(notes['seconds']):.3g} s"
     yield "validity", "\n".join(_validity(validity))
-    if never := [name for name, own in events.items() if not len(own)]:
-        yield "never closed", listed(never)
+    if never_closed:
+        yield "never closed", listed(never_closed)
     for kind, names in _groups(recorded).items():
         yield kind, listed(names)
 

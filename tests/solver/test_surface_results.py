@@ -50,6 +50,13 @@ def tilted(element):
     return drop(element, tilt=0.02).simulate(1e-4, STEP, record=NODES)
 
 
+def test_what_never_closed_is_told_where_each_step_is_recorded(element, tilted):
+    far, t_end = drop(element, height=1e-3), 20 * STEP
+    assert far.simulate(t_end, STEP).results.never_closed == ["floor"]
+    assert far.simulate(t_end, STEP, record=OutputRequest(every=2)).results.never_closed == []
+    assert tilted.results.never_closed == []
+
+
 def test_the_impulse_of_a_contact_is_the_change_of_momentum(tilted, element):
     motion = tilted["floor"]
     gained = element.mass * (tilted["dome"].v[-1, 2] + SPEED)
