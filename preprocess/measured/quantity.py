@@ -25,7 +25,8 @@ LEAST_TURNED = 0.8
 
 def require_quantity(path: Path, data: FrequencyData) -> None:
     """`MeasurementError` where the lowest lines are plainly those of another quantity."""
-    lowest = data.lines(np.flatnonzero((data.f > 0.0) & (data.f <= COMPARED_RANGE * data.f[0])))
+    moving = data.lines(np.flatnonzero((data.f > 0.0) & data.H.any(axis=(1, 2))))
+    lowest = moving.lines(np.flatnonzero(moving.f <= COMPARED_RANGE * moving.f[:1]))
     if len(lowest.f) < LEAST_COMPARED:
         return
     level = np.log(np.linalg.norm(lowest.H, axis=(1, 2)))
@@ -34,9 +35,9 @@ def require_quantity(path: Path, data: FrequencyData) -> None:
     n = round(slope)
     left = float(np.std(level - fit(np.log(lowest.f))))
     # Noise has no part in products of neighboring lines.
-    imaginary = float(np.sum(lowest.H.imag[1:] * lowest.H.imag[:-1]))
-    turned = imaginary / abs(float(np.sum(lowest.H[1:] * lowest.H[:-1].conj()).real))
-    agrees = turned > LEAST_TURNED if n % 2 else turned < 1.0 - LEAST_TURNED
+    turned = float(np.sum(lowest.H.imag[1:] * lowest.H.imag[:-1]))
+    whole = abs(float(np.sum(lowest.H[1:] * lowest.H[:-1].conj()).real))
+    agrees = turned > LEAST_TURNED * whole if n % 2 else turned < (1.0 - LEAST_TURNED) * whole
     if abs(slope - n) > SLOPE_ERROR or left > CURVATURE or not agrees:
         return
     seen = {power: kind for kind, power in POWERS_OF_S.items() if kind != OVER_TIME}

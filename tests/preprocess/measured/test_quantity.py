@@ -33,6 +33,14 @@ def test_a_quantity_is_known_by_the_mass_line(errors, said, true):
         require_quantity("angle.npz", data)
 
 
+@pytest.mark.parametrize("said", ["mobility", "receptance"])
+def test_lines_at_0_hz_or_without_numbers_do_not_hide_it(said):
+    data = read_as(measure(ALL), said, "accelerance")
+    f, H = np.r_[0.0, 1.0, 2.0, data.f], np.concatenate([0.0 * data.H[:3], data.H])
+    with pytest.raises(MeasurementError, match=f"expected accelerance, .* found {said}"):
+        require_quantity("angle.npz", FrequencyData(f, H, quantity=said))
+
+
 @pytest.mark.parametrize("low", [20.0, 60.0, 100.0, 140.0, 170.0, 190.0, 300.0])
 @pytest.mark.parametrize("cords", [0.0, 6.0, 12.0, 18.0, 30.0, 60.0])
 def test_neither_cords_nor_resonances_make_another_quantity(low, cords):
