@@ -6,9 +6,6 @@ with its coherence, in a noise that leaves little of it.
 """
 
 import io
-import subprocess
-import sys
-import zipfile
 
 import numpy as np
 import pytest
@@ -19,12 +16,13 @@ from duhamel.preprocess.identification.identify import identify
 from duhamel.preprocess.identification.responses import Measurement
 from duhamel.preprocess.measured.part_test import read_part_test
 
+from .fetched_wheel import fetched_wheel
+
 pytestmark = pytest.mark.validation
 
-WHEEL = "vibrationtesting-0.24-py35-none-any.whl"
 REQUIREMENT = (
     "vibrationtesting==0.24 "
-    "--hash=sha256:670dcf5286bac7b67ec0fa181864c1efc8625147442cfaf49bfe161678ae2f89\n"
+    "--hash=sha256:670dcf5286bac7b67ec0fa181864c1efc8625147442cfaf49bfe161678ae2f89"
 )
 """exact file, so that nothing else is ever read as data"""
 
@@ -32,21 +30,13 @@ REQUIREMENT = (
 @pytest.fixture(scope="module")
 def read(tmp_path_factory):
     """Reads the arrays of a name in the wheel."""
-    folder = tmp_path_factory.mktemp("wheel")
-    (folder / "wanted.txt").write_text(REQUIREMENT)
-    pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--no-input"]
-    asked = ["--require-hashes", "--dest", str(folder), "-r", str(folder / "wanted.txt")]
-    done = subprocess.run([*pip, *asked], capture_output=True, text=True, check=False)
-    if done.returncode:
-        # Not there to be tried, which --complete makes an error, as with peers.
-        pytest.skip(f"{WHEEL}: {done.stderr.strip() or 'not fetched'}")
+    with fetched_wheel(tmp_path_factory.mktemp("wheel"), REQUIREMENT) as wheel:
 
-    def arrays(name):
-        with zipfile.ZipFile(folder / WHEEL) as wheel:
+        def arrays(name):
             file = io.BytesIO(wheel.read(f"vibrationtesting/data/{name}.mat"))
-        return scipy.io.loadmat(file)
+            return scipy.io.loadmat(file)
 
-    return arrays
+        yield arrays
 
 
 def resonance(f, receptance, low, high):

@@ -3,10 +3,7 @@
 The rest of it takes programs with windows, of which none is loaded here.
 """
 
-import subprocess
-import sys
 import types
-import zipfile
 
 import numpy as np
 import pytest
@@ -15,12 +12,13 @@ from duhamel.preprocess.measured.channels import ChannelTable
 from duhamel.preprocess.measured.coordinates import coordinates_of
 from duhamel.preprocess.measured.hits import HitTable
 
+from .fetched_wheel import fetched_wheel
+
 pytestmark = pytest.mark.validation
 
 pandas = pytest.importorskip("pandas")
-WHEEL = "pyfbs-1.0.7-py3-none-any.whl"
 REQUIREMENT = (
-    "pyFBS==1.0.7 --hash=sha256:2d3eb7f47208e0dbec2ab1489acdab674fb0dc67df20b1d7d5f35570e7a294c7\n"
+    "pyFBS==1.0.7 --hash=sha256:2d3eb7f47208e0dbec2ab1489acdab674fb0dc67df20b1d7d5f35570e7a294c7"
 )
 """exact file, so that nothing else is ever run"""
 PLACES = {"a": np.array([0.1, -0.2, 0.3]), "b": np.array([-0.4, 0.2, 0.1])}
@@ -31,15 +29,7 @@ SENSORS, CHANNELS, HITS = 3, 9, 10
 @pytest.fixture(scope="module")
 def vpt(tmp_path_factory):
     """The class of pyFBS."""
-    folder = tmp_path_factory.mktemp("wheel")
-    (folder / "wanted.txt").write_text(REQUIREMENT)
-    pip = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--no-input"]
-    asked = ["--require-hashes", "--dest", str(folder), "-r", str(folder / "wanted.txt")]
-    done = subprocess.run([*pip, *asked], capture_output=True, text=True, check=False)
-    if done.returncode:
-        # Not there to be tried, which --complete makes an error, as with peers.
-        pytest.skip(f"{WHEEL}: {done.stderr.strip() or 'not fetched'}")
-    with zipfile.ZipFile(folder / WHEEL) as wheel:
+    with fetched_wheel(tmp_path_factory.mktemp("wheel"), REQUIREMENT) as wheel:
         source = wheel.read("pyfbs/interface/vpt.py").decode()
     # Coherences, of another module, are not asked for.
     found = types.ModuleType("vpt")
