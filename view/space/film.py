@@ -186,7 +186,7 @@ def _shoot(
 
 
 def painted(stage: Stage, studio: Studio, shifts: Array) -> Iterator[tuple[Image, float]]:
-    """Each frame with its time.   shifts (k, 3): of the camera [m]"""
+    """Each frame with its time; shifts (k, 3): of the camera [m]."""
     for batch in stage.batches():
         frames = studio.frames(batch, shifts[batch.rows])
         yield from zip(frames, stage.times[batch.rows].tolist(), strict=True)
