@@ -219,10 +219,8 @@ class Results:
 
     @property
     def never_closed(self) -> list[str]:
-        """Contacts and stops that never closed; those of surfaces where each step is recorded."""
-        found = [name for name, events in self.events.items() if not len(events)]
-        surfaces = self.surface_contacts if self.solver.get("every") == 1 else ()
-        return found + [n for n in surfaces if not self.surface_contact(n).closed_rows.any()]
+        """Contacts and stops without events: they did not close in any step."""
+        return [name for name, events in self.events.items() if not len(events)]
 
     @property
     def energies(self) -> tuple[str, ...]:
