@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from difflib import get_close_matches
 
-from ..results.validity import CRITERIA, Criterion
+from ..results.criteria import CRITERIA, Criterion
 from ..solver.linear.validity import LINEAR_CRITERIA
 
 ALL_CRITERIA: Mapping[str, Criterion] = {**CRITERIA, **LINEAR_CRITERIA}

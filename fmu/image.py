@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..results.validity import CRITERIA
+from ..results.criteria import CRITERIA
 from ..solver.arrays import Array
 from ..solver.compiler.digests import key
 from ..solver.history.dyadic import Window

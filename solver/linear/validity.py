@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...results.validity import CRITERIA, Check, Criterion, Validity
+from ...results.criteria import CRITERIA, Criterion
+from ...results.validity import Check, Validity
 from ..arrays import Array
 from ..model.bodies import FlexibleBody
 from ..output.subjects import Subjects

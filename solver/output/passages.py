@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...results.validity import CRITERIA
+from ...results.criteria import CRITERIA
 from ..errors import MissedContactError
 from ..lower.lower import LoweredModel
 from ..step.system import State, Workspace

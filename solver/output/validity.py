@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ...results.validity import CRITERIA, MEND_DEFORMATION, Check, Validity
+from ...results.criteria import CRITERIA, MEND_DEFORMATION
+from ...results.validity import Check, Validity
 from ..arrays import Array
 from ..errors import OutOfRangeError
 from ..lower.lower import LoweredModel

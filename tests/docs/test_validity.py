@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from duhamel.cli.explain import ALL_CRITERIA
-from duhamel.results.validity import CRITERIA
+from duhamel.results.criteria import CRITERIA
 
 PAGE = Path(__file__).parents[2] / "docs" / "validity.md"
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from duhamel.preprocess.body.body import NonlinearCoordinates
-from duhamel.results.validity import CRITERIA
+from duhamel.results.criteria import CRITERIA
 from duhamel.solver import (
     Constant,
     Fixed,

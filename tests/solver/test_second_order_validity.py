@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.preprocess.body.body import NonlinearCoordinates
-from duhamel.results.validity import CRITERIA
+from duhamel.results.criteria import CRITERIA
 from duhamel.solver import FlexibleBody, Model, Settings, Start, simulate, start
 from duhamel.solver.model.bodies import SecondOrder
 from duhamel.solver.start.initial import initialize

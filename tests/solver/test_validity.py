@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from duhamel.results import Results
+from duhamel.results.criteria import CRITERIA
 from duhamel.results.quantities import angle
-from duhamel.results.validity import CRITERIA, Check
+from duhamel.results.validity import Check
 from duhamel.solver import (
     Constant,
     ConvergenceError,

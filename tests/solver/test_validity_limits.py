@@ -10,7 +10,7 @@ import pytest
 from duhamel.preprocess import read_body
 from duhamel.preprocess.body.body import NonlinearCoordinates, PointMass
 from duhamel.preprocess.body.selection import InterfaceSelection
-from duhamel.results.validity import CRITERIA
+from duhamel.results.criteria import CRITERIA
 from duhamel.solver import (
     Constant,
     Contact,
