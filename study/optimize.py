@@ -2,9 +2,9 @@
 
     minimize  f(p)    subject to    low_i <= g_i(p) <= high_i    and the bounds of p
 
-Derivatives are differences of runs, made on all cores. The search sees parameters by their own
-sizes, the objective by its slope at the start, and limits by their own sizes, so that units do not
-matter.
+Derivatives are differences of runs, made on all cores, or come of dual numbers. The search sees
+parameters by their own sizes, the objective by its slope at the start, and limits by their own
+sizes, so that units do not matter.
 
 Source: docs/theory.md, Optimization.
 """
