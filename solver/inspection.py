@@ -1,12 +1,10 @@
 """The inspection of a model before it runs: `check`."""
 
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,34 +13,24 @@ from ..files.memory import peak
 from ..results.contents import Contents
 from ..results.validity import Validity
 from .arrays import Array
-from .cosimulation.exchange import Exchange
 from .cosimulation.start import start_beside
 from .errors import about
-from .history.cost import history_costs
-from .lower.lower import LoweredModel
 from .model.bodies import FlexibleBody
 from .model.model import Model
 from .output.columns import check_request
 from .output.inputs import drifts, signal_warnings
 from .output.size import check_memory, file_bytes, lack_of_disk
 from .output.validity import ValidityMonitor
-from .output.writer import check_output, contents_of, make_writer, rows_of
+from .output.writer import check_output, contents_of, rows_of
 from .plausibility import plausibility_warnings
-from .simulation import PreparedRun, integrate
 from .start.damping import DampedMotion, damped_motions, damping_in_words
 from .start.frequencies import vibrations, without_surfaces
 from .start.initial import InitialState, initialize, lower_to_start
 from .step.contacts import penetration_of
+from .trial import take_trial, with_cause
 
-TRIAL_STEPS = 128
 MAX_FREQUENCIES = 6
 NOTHING_JUDGED = Validity(())
-OF_VIBRATION = ("steps_per_period", "kernel_band")
-"""criteria that a vibration by gravity's sudden start may pass alone"""
-SUDDEN_GRAVITY = (
-    "gravity acts suddenly at t = 0 and excites it, which start = 'equilibrium' in [simulation] "
-    "avoids; else, "
-)
 # below, the error of a vibration is some per cent
 MIN_STEPS_IN_PERIOD = 20
 
@@ -191,8 +179,8 @@ def check(model: Model, output: str | PathLike[str] | None = None) -> ModelCheck
         fast = tuple(_fast_servos(initial))
         initial, exchange = start_beside(initial, lowered, source)
         with exchange:
-            trial = _try(initial, exchange)  # from here on the state is that after some steps
-        trial = trial._replace(validity=_with_cause(model, initial, trial.validity))
+            trial = take_trial(initial, exchange)  # from here on the state is that after some steps
+        trial = trial._replace(validity=with_cause(model, initial, trial.validity))
     return ModelCheck(
         bodies=len(model.bodies),
         flexible=len(model.flexible_bodies),
@@ -339,71 +327,3 @@ def _fast_servos(initial: InitialState) -> Iterator[str]:
                 f"expected {MIN_STEPS_IN_PERIOD} or more, "
                 f"simulation.step = {2.0 * np.pi / (MIN_STEPS_IN_PERIOD * pole):.2g}"
             )
-
-
-def _with_cause(model: Model, initial: InitialState, found: Validity) -> Validity:
-    """The validity of a trial, with the cause of vibrations that a trial without gravity lacks."""
-    poor = _poor_vibrations(found)
-    met = initial.state.extremes.depth.any() or initial.state.contacts.total_impulse.any()
-    # A body that falls on another one vibrates by gravity too, but not by its sudden start.
-    if not poor or met or model.surface_contacts or model.fmus or model.settings.start != "given":
-        return found
-    if not model.gravity.any():
-        return found
-    floating = initialize(replace(model, gravity=np.zeros(3)))
-    floating, exchange = start_beside(floating, floating.lowered, None)
-    poor -= _poor_vibrations(_try(floating, exchange).validity)
-    checks = (
-        check._replace(cause=SUDDEN_GRAVITY)
-        if (check.criterion.name, check.owner) in poor
-        else check
-        for check in found.checks
-    )
-    return Validity(tuple(checks))
-
-
-def _poor_vibrations(validity: Validity) -> set[tuple[str, str]]:
-    """Checks of vibrations beyond their limits, by criterion and owner."""
-    poor = (check for check in validity.checks if check.verdict == "poor")
-    return {(c.criterion.name, c.owner) for c in poor if c.criterion.name in OF_VIBRATION}
-
-
-class _Trial(NamedTuple):
-    """A trial of the first steps: their number, the estimated time of the run [s], validity."""
-
-    steps: int
-    seconds: float
-    validity: Validity
-
-
-def _try(initial: InitialState, exchange: Exchange) -> _Trial:
-    """Take the first steps. The time is theirs, with the growth of the history."""
-    lowered, monitor = initial.lowered, ValidityMonitor(initial.lowered)
-    begin = int(initial.state.step[0])
-    # Counted in short steps, of which a long one has `ratio`.
-    n = min(TRIAL_STEPS * lowered.ratio, lowered.n_steps - begin)
-    if n == 0:
-        return _Trial(0, 0.0, monitor.validity(initial.state, 0))
-    writer = make_writer(None, initial, n, monitor)
-    started = time.perf_counter()
-    integrate(
-        PreparedRun(
-            *(initial.lowered, initial.state, initial.work, initial.removed),
-            *(exchange, monitor, writer, begin + n),
-        )
-    )
-    measured = (time.perf_counter() - started) / n
-    seconds = (lowered.n_steps - begin) * (measured + 1e-9 * _history_cost(lowered))
-    return _Trial(n // lowered.ratio, seconds, monitor.validity(initial.state, n))
-
-
-def _history_cost(lowered: LoweredModel) -> float:
-    """Nanoseconds per step of sums over the past, which the first steps do not have yet."""
-    elastic = lowered.system.elastic
-    cost = 0.0
-    for e in np.flatnonzero(elastic.kernels.lags).tolist():
-        n_c, lags = int(elastic.dof[e + 1] - elastic.dof[e]), int(elastic.kernels.lags[e])
-        n_active = int(elastic.loaded_range[e + 1] - elastic.loaded_range[e])
-        costs = history_costs(n_c, n_active, None, lowered.n_steps, lags)
-        cost += costs["fft" if elastic.kernels.by_fft[e] else "direct"]
-    return cost

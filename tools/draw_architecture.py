@@ -81,6 +81,7 @@ ABOUT = {
     "solver/derivatives": "runs with dual numbers",
     "solver/many": "runs on threads",
     "solver/plausibility": "doubts about models",
+    "solver/trial": "the first steps of a model",
     "solver/inspection": "what a run would be",
     "solver/stepper": "the records of one step at a time",
     "solver/simulator": "one step at a time",

@@ -115,6 +115,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "simulation",
         "derivatives",
         "many",
+        "trial",
         "inspection",
         "stepper",
         "simulator",
