@@ -22,6 +22,8 @@ from .steps import DualConvolution, DualPhases, live_state
 
 ROWS_AT_ONCE = 256
 """steps between which those rows are kept that are asked for; all of them are recorded before"""
+TOUCHING_GAP = 1e-9
+"""gap at the start, over the size of what it meets, at which a row of a surface is closed"""
 STATES_OF_LAWS = ("contact_state", "friction_state", "motor_state")
 """arrays of `Output` that tell whether something switched"""
 EVENT_ARRAYS = ("n_events", "event_contact", "event")
@@ -39,8 +41,8 @@ class DualRun:
     """Rows and events of a run, each number followed by its derivatives.
 
     lowered: the model; steps (n,): of the rows; arrays (n, ..., 1 + k): by their names in `Output`;
-    owners (m,), events (m, 9, 1 + k): as in `EventRows`; switches: whether a contact, friction or
-    the limit of a motor changed its state in any step.
+    owners (m,), events (m, 9, 1 + k): as in `EventRows`; switches: whether a contact, a row of a
+    surface, friction or the limit of a motor changed its state in any step.
     """
 
     lowered: LoweredModel
@@ -78,13 +80,16 @@ def run_with_derivatives(start: Start, seeds: Sequence[Seeds], names: Iterable[s
     kept = _Kept(run, tuple(dict.fromkeys((*names, *STORED_ENERGIES))))
     kept.take_rows(np.zeros(1, dtype=np.int64), np.ones(1, dtype=bool))
     done, total, every = 0, lowered.n_steps, lowered.model.settings.output.every
+    # The rows of surfaces have their states in scratch alone, which each step makes anew.
+    at_once = 1 if lowered.model.surface_contacts else ROWS_AT_ONCE
     while done < total:
         stride, n = phases.begin(convolution.steps_until_due(done, total - done))
-        steps = done + stride * np.arange(1, min(n, ROWS_AT_ONCE) + 1)
+        steps = done + stride * np.arange(1, min(n, at_once) + 1)
         taken, _, failed = phases.advance(_recorded(start.inputs, steps))
         # In long steps `every` counts these.
         steps = steps[:taken]
         kept.take_rows(steps, (steps % (every * stride) == 0) | (steps == total))
+        kept.follow_surfaces()
         # It returns early where its list of events is full.
         if not kept.take_events() and failed:
             raise DerivativeError(
@@ -118,6 +123,12 @@ class _Kept:
         self._events: list[Array] = []
         self._states: dict[str, Array] = {}
         self._switches = False
+        contacts, surfaces = "system/surfaces/contacts", "state/surfaces"
+        rows = np.diff(run.arrays[f"{contacts}/row"])
+        sizes = np.repeat(run.arrays[f"{contacts}/size"][:, 0], rows)
+        touches = run.arrays[f"{surfaces}/gap"][: len(sizes), 0] <= TOUCHING_GAP * sizes
+        self._closed = run.arrays["work/surfaces/closed"].copy()
+        self._any_state = touches & (self._closed == 0)
 
     def take_rows(self, steps: Index, recorded: NDArray[np.bool_]) -> None:
         """Keep those of the first rows of the output that are recorded; of which steps they are."""
@@ -134,6 +145,12 @@ class _Kept:
             )
             self._switches |= bool((states[1:] != states[:-1]).any())
             self._states[name] = states[-1:].copy()
+
+    def follow_surfaces(self) -> None:
+        """Note whether rows of surfaces open or close, stick or slip in the last step."""
+        closed = self._run.arrays["work/surfaces/closed"]
+        self._switches |= bool(((closed != self._closed) & ~self._any_state).any())
+        self._closed[:], self._any_state[:] = closed, False
 
     def take_events(self) -> int:
         """Take the events that wait, and forget them there: how many."""

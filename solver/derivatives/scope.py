@@ -9,6 +9,7 @@ from ..errors import DerivativeError, ForeignError
 from ..laws.maxwell import MaxwellLaw
 from ..laws.user import UserLaw
 from ..lower.lower import LoweredModel
+from ..step.shapes import Plane, Sphere
 
 
 class LawOfUser(NamedTuple):
@@ -51,8 +52,6 @@ def _reasons(lowered: LoweredModel, k: int) -> Iterator[str]:
     model, settings = lowered.model, lowered.model.settings
     if model.fmus:
         yield "the model has FMUs"
-    if model.surface_contacts:
-        yield "the model has contacts of surfaces"
     if lowered.system.newton.fixed_iterations:
         yield "the model has a fixed number of iterations"
     if settings.steady_rotation is not None:
@@ -68,7 +67,14 @@ def _reasons(lowered: LoweredModel, k: int) -> Iterator[str]:
 
 
 def has_kinks(lowered: LoweredModel) -> bool:
-    """Whether laws of springs have kinks, of which a run tells nothing."""
+    """Whether there are kinks of which a run tells nothing: of laws of springs, and of the facets
+    and rims of surfaces that others meet.
+    """
+    surfaces = lowered.system.surfaces.contacts
+    # Of shapes these alone have no ends.
+    endless = np.isin(surfaces.shape, [Plane.number, Sphere.number])
+    if ((surfaces.target >= 0) | ~endless).any():
+        return True
     laws, couplings = lowered.system.couplings.laws, lowered.system.couplings
     for law in np.flatnonzero(laws.number != MaxwellLaw.number).tolist():
         row = int(np.searchsorted(laws.range, law, side="right")) - 1

@@ -16,6 +16,7 @@ import math
 
 from ..arrays import Array, Index
 from ..compiler.marks import compiled
+from ..compiler.parts import n_parts, part
 from .lu import factorize_lu, substitute_lu
 from .vectors import inner
 
@@ -65,6 +66,12 @@ def solve_cone(
         law[i, 2] = mu[i, 0]
     for _ in range(MAX_COEFFICIENTS):
         if not _find_forces(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial):
+            return -1
+        if (
+            n > 0
+            and n_parts(lam[0]) > 1
+            and not _correct_slopes(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial)
+        ):
             return -1
         if not _follow_slips(n, mu, y, law):
             # Zero to the bit, where the last correction left rounding.
@@ -172,17 +179,7 @@ def _run_newton(
         kept = not slow and is_made(n, active, made)
         if not kept and not make_factors(n, count, W, active, law, order, pivots, A, made):
             return False
-        for i in range(n):
-            trial[i] = 0.0 if active[i] else -law[i, 0]
-        for a in range(count):
-            i, total = order[a], -law[order[a], 0]
-            for k in range(n):
-                if not active[k] and trial[k] != 0.0:
-                    total -= _entry(W, active, law, i, k) * trial[k]
-            y[a] = total
-        substitute_lu(count, A, pivots, y)
-        for a in range(count):
-            trial[order[a]] = y[a]
+        _set_correction(n, count, W, active, law, A, order, pivots, y, trial)
         # At kinks of the law a whole correction may lead from one side to the other and back.
         before, part = residual, 1.0
         for i in range(n):
@@ -205,6 +202,63 @@ def _run_newton(
     for i in range(n):
         largest = max(largest, abs(lam[i]))
     return bool(residual <= SUFFICIENT_RESIDUAL * largest)
+
+
+@compiled
+def _set_correction(
+    n: int,
+    count: int,
+    W: Array,
+    active: Index,
+    law: Array,
+    A: Array,
+    order: Index,
+    pivots: Index,
+    y: Array,
+    trial: Array,
+) -> None:
+    """trial: the correction of the forces by the factors at hand; y is scratch."""
+    for i in range(n):
+        trial[i] = 0.0 if active[i] else -law[i, 0]
+    for a in range(count):
+        i, total = order[a], -law[order[a], 0]
+        for k in range(n):
+            if not active[k] and trial[k] != 0.0:
+                total -= _entry(W, active, law, i, k) * trial[k]
+        y[a] = total
+    substitute_lu(count, A, pivots, y)
+    for a in range(count):
+        trial[order[a]] = y[a]
+
+
+@compiled
+def _correct_slopes(
+    n: int,
+    W: Array,
+    q: Array,
+    mu: Array,
+    active: Index,
+    A: Array,
+    order: Index,
+    pivots: Index,
+    made: Index,
+    lam: Array,
+    y: Array,
+    law: Array,
+    trial: Array,
+) -> bool:
+    """One correction of derivatives alone, exact with factors of the law as it is.
+
+    Newton's method ends by values, also at once. False where the law is singular.
+    """
+    count = order_rows(n, active, order)
+    if not make_factors(n, count, W, active, law, order, pivots, A, made):
+        return False
+    _set_correction(n, count, W, active, law, A, order, pivots, y, trial)
+    for i in range(n):
+        lam[i] += trial[i] - part(trial[i], 0)
+    _judge(n, W, q, mu, active, lam, y, law)
+    return True
 
 
 @compiled

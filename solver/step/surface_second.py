@@ -7,7 +7,7 @@ work on q by the slopes S = A_C q. Source: docs/theory.md, Contact of surfaces.
 """
 
 from ..arrays import Array
-from ..compiler.marks import compiled, without_derivatives
+from ..compiler.marks import compiled
 from .second_order import first_coordinate
 from .system import State, System, Workspace
 from .vectors import Vector, inner
@@ -48,7 +48,6 @@ def _place(system: System, s: int, k: int, x: int) -> int:
     return int(bodies.slope[s] + row * system.elastic.second.r[bodies.flexible[s]])
 
 
-@without_derivatives
 @compiled
 def load_coordinates(system: System, state: State, work: Workspace) -> None:
     """f_q += S^T f of all bodies that contacts press."""
@@ -77,7 +76,6 @@ def add_slopes(system: System, s: int, k: int, b: Vector, out: Array, work: Work
                 out[j] += b[x] * work.surfaces.slope[place + j]
 
 
-@without_derivatives
 @compiled
 def add_node_curvature_slopes(system: System, state: State, work: Workspace) -> None:
     """The derivatives of S^T f by q where f does not change, in the rows of q."""

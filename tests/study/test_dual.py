@@ -26,6 +26,7 @@ from duhamel.solver import (
     write_model,
 )
 from duhamel.solver.couplings.friction import JointFriction
+from duhamel.solver.couplings.surface_contacts import SurfaceContact
 from duhamel.solver.errors import DerivativeError
 from duhamel.study import (
     Parameter,
@@ -38,6 +39,7 @@ from duhamel.study import (
 from duhamel.study.dual_slopes import DIFFERENCES_INSTEAD, _departures
 
 from ..solver.frameworks import bar
+from ..solver.pressing import EDGE, block
 from .test_sensitivity import bouncing, height_by_stiffness, pushed
 
 
@@ -306,6 +308,60 @@ def test_where_something_switches_fits_and_searches_take_differences():
     )
     assert DIFFERENCES_INSTEAD in found.remarks
     assert found.values["k"] == pytest.approx(5e4)
+
+
+def pressed(down=1e5, across=0.0, speed=0.0, friction=0.5, t_end=2e-5):
+    """A block of steel that presses its lower side on a plane."""
+    floor = SurfaceContact(
+        "floor", ["block.low", "ground"], shape="plane", axis=[0.0, 0.0, 1.0], friction=friction
+    )
+    start = Start([0.0, 0.0, 0.5 * EDGE], velocity=[speed, 0.0, 0.0])
+    return Model(
+        {"block": FlexibleBody(block(), start)},
+        surface_contacts=(floor,),
+        gravity=[across, 0.0, -down],
+        settings=Settings(t_end=t_end, step=1e-6, rho_inf=0.9),
+    )
+
+
+def by_central_differences(make, values, outputs, steps):
+    """The derivatives by each parameter; steps: of parameters."""
+    found = []
+    for name, step in steps.items():
+        ends = [simulate(make(**values | {name: values[name] + d})) for d in (step, -step)]
+        high, low = (np.array([outputs(one)]).ravel() for one in ends)
+        found.append((high - low) / (2.0 * step))
+    return np.array(found).T
+
+
+def motion_of(results):
+    block = results.body("block")
+    return [block.v[-1, 0], block.v[-1, 2]]
+
+
+MOTION = {"x": "final velocity:block:x", "z": "final velocity:block:z"}
+
+
+def test_a_surface_that_sticks_by_gravity():
+    # Without a load across nothing moves so, and its derivative alone does.
+    values, scales = {"down": 1e5, "across": 0.0}, {"across": 1e3}
+    found = sensitivities(pressed, values, MOTION, method="dual", scales=scales)
+    exact = by_central_differences(pressed, values, motion_of, {"down": 10.0, "across": 10.0})
+    np.testing.assert_allclose(np.diag(found.derivative[::-1]), np.diag(exact[::-1]), rtol=1e-6)
+
+
+def test_rows_of_surfaces_that_switch_are_noticed():
+    values = {"speed": 0.5, "friction": 0.3}
+
+    def make(speed, friction):
+        return pressed(speed=speed, friction=friction, t_end=5e-5)
+
+    found = sensitivities(make, values, MOTION, method="dual")
+    wide = by_central_differences(
+        make, values, motion_of, {name: 1e-2 * size for name, size in values.items()}
+    )
+    assert (found.error > 1e-3 * np.abs(found.derivative)).any()
+    assert (np.abs(found.derivative - wide) <= found.error).all()
 
 
 def test_what_has_no_dual_numbers_is_refused_by_fits_and_searches():

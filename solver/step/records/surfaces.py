@@ -400,11 +400,11 @@ class SurfaceWork(Struct):
     """nodes of targets that it was made with"""
     W_other_gradient: Array = array("n_others", 3)
     """their gradients"""
-    W: Array = array("n_islands", "n_most_rows", "n_most_rows")
+    W: Array = array("n_islands", "n_most_rows", "n_most_rows", real=True)
     """gaps of the candidates by forces on them [m/N]"""
     factored: Index = array("n_islands", "n_most_rows")
     """1: the candidate is in `factor`"""
-    factor: Array = array("n_islands", "n_most_rows", "n_most_rows")
+    factor: Array = array("n_islands", "n_most_rows", "n_most_rows", real=True)
     """Cholesky's factor of the rows and columns of W that are closed"""
     active: Index = array("n_most_rows")
     """1: the candidate is closed"""
@@ -416,9 +416,9 @@ class SurfaceWork(Struct):
     """gaps of the candidates [m]"""
     q: Array = array("n_most_rows")
     """gaps of the candidates without forces [m]"""
-    D: Array = array("n_most_rows", "n_most_coordinates")
+    D: Array = array("n_most_rows", "n_most_coordinates", real=True)
     """derivatives of the gaps of closed rows by the coordinates of the bodies of an island"""
-    stiffness: Array = array("n_stiffness")
+    stiffness: Array = array("n_stiffness", real=True)
     """D^T W^-1 D (coordinates, coordinates) of each island, one after the other"""
     is_needed: Index = array("n_nodes")
     """1: the node is around or below a candidate"""
