@@ -32,8 +32,6 @@ MAX_DEPARTURE = 1e-6
 """of an output, or of its derivative times the size of a parameter"""
 DEPARTURE_MARGIN = 10.0
 """the error of a derivative over the departure of its output, where rounding grows: 1.4 to 2"""
-LEAST_ERROR = 1e-11
-"""of a derivative: seeds have the rounding of differences over 1e-4 of a parameter"""
 ABSOLUTE_ROUNDING = 1e-12
 """in SI units, of outputs that are zero but for it"""
 NEARBY_VALUES = 1e-2 * np.array([-1.0, -0.618, -0.236, 0.0, 0.382, 0.854])
@@ -79,8 +77,9 @@ def dual_slopes(
         away = _departures(
             asked, asked.numbers(found.values), asked.numbers(results), value, scales
         )
-        shares = np.maximum(LEAST_ERROR, DEPARTURE_MARGIN * away)
-        error = np.maximum(error, shares[:, None] * np.abs(value))
+        seeds = np.array([found.seed_errors[name] for name in scales])
+        shares = np.maximum(seeds, DEPARTURE_MARGIN * away[:, None])
+        error = np.maximum(error, shares * np.abs(value))
     except DerivativeError as failure:
         raise StudyError(f'{failure}; take method = "differences"') from failure
     if found.switches:

@@ -15,7 +15,7 @@ import inspect
 import operator
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Set
 from contextlib import contextmanager
 from typing import Any
 
@@ -48,7 +48,7 @@ from .marks import (
     COMPILED_FUNCTIONS,
     DIFFERENTIABLE_ENTRIES,
     OBJECT_MARK,
-    SKIPPED_WITH_DERIVATIVES,
+    SURFACE_FUNCTIONS,
     Entry,
 )
 from .memory import copy
@@ -113,20 +113,21 @@ def build(targets: Iterable[CodeTarget]) -> list[bytes]:
     Functions are typed once for all targets with as many derivatives, which takes two thirds of the
     time.
     """
-    modules: dict[int, Any] = {}
+    modules: dict[tuple[int, bool], Any] = {}
     codes = []
     with _fewer_collections():
         for target in targets:
-            if target.derivatives not in modules:
-                modules[target.derivatives] = _module(target.derivatives)
-            codes.append(_emitted(modules[target.derivatives].clone(), target))
+            kind = target.derivatives, target.surfaces
+            if kind not in modules:
+                modules[kind] = _module(*kind)
+            codes.append(_emitted(modules[kind].clone(), target))
     return codes
 
 
-def _module(k: int) -> Any:
+def _module(k: int, surfaces: bool) -> Any:
     """All entries, of numbers with k derivatives, and what they call."""
     libraries: list[Any] = []
-    dispatchers = _dispatchers(libraries, k)
+    dispatchers = _dispatchers(libraries, k, SURFACE_FUNCTIONS if k and not surfaces else set())
     return _linked(_entry_module(dispatchers, k), libraries)
 
 
@@ -144,8 +145,13 @@ def _fewer_collections() -> Iterator[None]:
         gc.unfreeze()
 
 
-def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inner"]:
-    """A dispatcher for every compiled function, by which the others and entries know it."""
+def _dispatchers(
+    libraries: list[Any], k: int, skipped: Set[Callable[..., Any]]
+) -> dict[Callable[..., Any], "_Inner"]:
+    """A dispatcher for every compiled function, by which the others and entries know it.
+
+    skipped: those that do nothing.
+    """
     # Before the contexts look for what is registered.
     intrinsics = QUICK_INTRINSICS | (_intrinsics_of_derivatives() if k else {})
     typing, target = cpu_target.typing_context, cpu_target.target_context
@@ -157,8 +163,7 @@ def _dispatchers(libraries: list[Any], k: int) -> dict[Callable[..., Any], "_Inn
         if function in intrinsics:
             _make_known(typing, function, typing.resolve_value_type(intrinsics[function]))
             continue
-        skipped = k and function in SKIPPED_WITH_DERIVATIVES
-        compiled = _doing_nothing(function) if skipped else function
+        compiled = _doing_nothing(function) if function in skipped else function
         dispatchers[function] = _Inner(compiled, {}, dict(NUMBA_OPTIONS), pipeline_class=pipeline)
         # By its dispatcher a function is known to the others before it is compiled itself.
         _make_known(typing, function, types.Dispatcher(dispatchers[function]))

@@ -31,8 +31,8 @@ def key(target: str = HOST_TARGET) -> str:
     """A digest of all that the machine code for a target depends on (16 hexadecimal digits)."""
     kinds = [*marks.COMPILED_FUNCTIONS, *marks.records()]
     sources = {Path(str(sys.modules[kind.__module__].__file__)) for kind in kinds}
-    derivatives = COMPILED_TARGETS[target].derivatives
-    names = (*COMPILER_FILES, *(DERIVATIVE_FILES if derivatives else ()))
+    chosen = COMPILED_TARGETS[target]
+    names = (*COMPILER_FILES, *(DERIVATIVE_FILES if chosen.derivatives else ()))
     compiler = [Path(__file__).with_name(f"{name}.py") for name in names]
     digest = hashlib.sha256()
     # Sorted, so that the digest does not depend on the order of imports.
@@ -43,7 +43,7 @@ def key(target: str = HOST_TARGET) -> str:
     # Code that is shipped was made elsewhere: it is the same whatever is installed here.
     versions = [] if target.startswith("shipped-") else _versions()
     digest.update(repr((layouts, versions, *_machine(target))).encode())
-    digest.update(bytes([derivatives] if derivatives else []))
+    digest.update(bytes([chosen.derivatives, chosen.surfaces] if chosen.derivatives else []))
     return digest.hexdigest()[:16]
 
 

@@ -20,8 +20,8 @@ OBJECT_MARK = b"object file of duhamel\n"
 """what the process that builds writes ahead of the object file"""
 COMPILED_ENTRIES: dict[str, "Entry"] = {}
 """entries by the name that they have in the object file"""
-SKIPPED_WITH_DERIVATIVES: set[Callable[..., Any]] = set()
-"""those that do nothing where numbers have derivatives"""
+SURFACE_FUNCTIONS: set[Callable[..., Any]] = set()
+"""those that code with derivatives has only for models with contacts of surfaces"""
 DIFFERENTIABLE_ENTRIES: dict[str, "Entry"] = {}
 """those of them that are also compiled with derivatives"""
 
@@ -32,12 +32,12 @@ def compiled(function: Function) -> Function:
     return function
 
 
-def without_derivatives(function: Function) -> Function:
-    """Mark a compiled function that does nothing, or returns False, in code with derivatives.
+def of_surfaces(function: Function) -> Function:
+    """Mark a compiled function that does nothing, or returns False, without contacts of surfaces.
 
-    Models that need it are refused there; to compile it would take as long as all else.
+    Code with derivatives for such models leaves it out: to compile it takes as long as all else.
     """
-    SKIPPED_WITH_DERIVATIVES.add(function)
+    SURFACE_FUNCTIONS.add(function)
     return function
 
 

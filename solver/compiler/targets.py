@@ -9,13 +9,20 @@ class CodeTarget:
     """A system by its LLVM triple and a processor by its LLVM name; "": that of this machine.
 
     is_loaded: without a linker, into this process; all other code is position-independent.
-    derivatives: of each number, beside its value; 0: the time step as runs take it.
+    derivatives: of each number, beside its value; 0: the time step as runs take it; surfaces:
+    whether there are contacts of surfaces where numbers have derivatives.
     """
 
     triple: str = ""
     cpu: str = ""
     is_loaded: bool = False
     derivatives: int = 0
+    surfaces: bool = False
+
+
+def target_with_derivatives(k: int, surfaces: bool) -> str:
+    """The name of the target for this process of numbers with k derivatives."""
+    return f"derivatives-{k}{'-surfaces' if surfaces else ''}"
 
 
 LINUX_TRIPLE, WINDOWS_TRIPLE = "x86_64-unknown-linux-gnu", "x86_64-w64-windows-gnu"
@@ -37,7 +44,11 @@ SHIPPED_WITH_DERIVATIVES = {
 """those that wheels of releases have beside these"""
 COMPILED_TARGETS = {
     HOST_TARGET: CodeTarget(is_loaded=True),
-    **{f"derivatives-{k}": CodeTarget(is_loaded=True, derivatives=k) for k in DERIVATIVE_COUNTS},
+    **{
+        target_with_derivatives(k, surfaces): CodeTarget("", "", True, k, surfaces)
+        for k in DERIVATIVE_COUNTS
+        for surfaces in (False, True)
+    },
     "native": CodeTarget(),
     "x86_64-linux": CodeTarget(LINUX_TRIPLE, "x86-64-v3"),
     "x86_64-linux-v2": CodeTarget(LINUX_TRIPLE, "x86-64-v2"),

@@ -22,12 +22,14 @@ class DifferentiatedRun:
 
     results: of the run without derivatives, whose notes these have; places: of each parameter, the
     run that has its derivative, and its number there; one_sided: by parameter, -1 or 1 where the
-    model is valid on one side of its value alone; switches: whether forces had kinks.
+    model is valid on one side of its value alone; seed_errors: by parameter, of the derivative;
+    switches: whether forces had kinks.
     """
 
     results: Results
     places: Mapping[str, tuple[DualRun, int]]
     one_sided: Mapping[str, int]
+    seed_errors: Mapping[str, float]
     switches: bool
 
     def moved(self, parameter: str, distance: float) -> Results:
@@ -86,7 +88,8 @@ class Differentiation:
                 places |= {name: (run, i) for i, name in enumerate(group)}
         one_sided = {name: one.one_sided for name, one in seeds.items() if one.one_sided}
         switches = has_kinks(start.lowered) or any(run.switches for run, _ in places.values())
-        return DifferentiatedRun(self._results, places, one_sided, switches)
+        errors = {name: one.error for name, one in seeds.items()}
+        return DifferentiatedRun(self._results, places, one_sided, errors, switches)
 
     def _start(self, values: Values) -> Start:
         return start_of(self._make(values), recorded_rows)

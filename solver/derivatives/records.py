@@ -11,6 +11,7 @@ from ..arrays import Array, Index
 from ..compiler import marks
 from ..compiler.object_file import BuildError, compiler, engine_of, object_files
 from ..compiler.struct import ArrayField, Struct
+from ..compiler.targets import target_with_derivatives
 from ..errors import DerivativeError
 
 MAX_RESULTS = 4
@@ -86,15 +87,15 @@ def entry_symbol(entry: Any) -> str:
 
 
 @cache
-def entry_with_derivatives(symbol: str, k: int) -> Callable[..., list[float]]:
-    """An entry of numbers with k derivatives, by its symbol.
+def entry_with_derivatives(symbol: str, k: int, surfaces: bool) -> Callable[..., list[float]]:
+    """An entry of numbers with k derivatives, by its symbol; surfaces: with their contacts.
 
     It is built at its first use. `DerivativeError` where numba cannot build it.
     """
     if (found := compiler()) in ("none", "stock"):
         how = "as Python" if found == "none" else "by numba's public interface"
         raise DerivativeError(f"the time step runs {how} here, without derivatives")
-    target = f"derivatives-{k}"
+    target = target_with_derivatives(k, surfaces)
     try:
         code = object_files([target])[target]
     except BuildError as error:

@@ -76,12 +76,13 @@ def run_with_derivatives(start: Start, seeds: Sequence[Seeds], names: Iterable[s
     _set_functions(lowered, run, k)
     phases = DualPhases(lowered, plain, (run, flight), k, _joined(seeds, k, ("inputs",), ""))
     convolution = DualConvolution(lowered, run.arrays["system/elastic/kernels/g"])
-    entry_with_derivatives(entry_symbol(record), k)(run, 0)
+    surfaces = bool(lowered.model.surface_contacts)
+    entry_with_derivatives(entry_symbol(record), k, surfaces)(run, 0)
     kept = _Kept(run, tuple(dict.fromkeys((*names, *STORED_ENERGIES))))
     kept.take_rows(np.zeros(1, dtype=np.int64), np.ones(1, dtype=bool))
     done, total, every = 0, lowered.n_steps, lowered.model.settings.output.every
     # The rows of surfaces have their states in scratch alone, which each step makes anew.
-    at_once = 1 if lowered.model.surface_contacts else ROWS_AT_ONCE
+    at_once = 1 if surfaces else ROWS_AT_ONCE
     while done < total:
         stride, n = phases.begin(convolution.steps_until_due(done, total - done))
         steps = done + stride * np.arange(1, min(n, at_once) + 1)

@@ -49,13 +49,11 @@ def check_scope(lowered: LoweredModel, k: int = 1) -> None:
 
 
 def _reasons(lowered: LoweredModel, k: int) -> Iterator[str]:
-    model, settings = lowered.model, lowered.model.settings
+    model = lowered.model
     if model.fmus:
         yield "the model has FMUs"
     if lowered.system.newton.fixed_iterations:
         yield "the model has a fixed number of iterations"
-    if settings.steady_rotation is not None:
-        yield "the model starts in a steady rotation"
     for law in user_laws(lowered):
         try:
             law.addresses_with_derivatives(k)

@@ -10,12 +10,15 @@ body is a plane lamina, the four values lie on that side. The fourth difference 
 
     f(p + d) - 4 f(p + d/2) + 6 f(p) - 4 f(p - d/2) + f(p - d) = O(d^4)
 
-is next to nothing, also where df/dp = 0. If not, the parameter moves a kink or a jump, as a corner
-of a signal past a step: then there is no seed. Source: docs/theory.md, Derivatives by dual numbers.
+is next to nothing, also where df/dp = 0. If not, d is halved, which makes a sixteenth of that of a
+smooth f. That of a kink halves, that of a jump stays, and that of either beside p vanishes at once:
+where the parameter moves such, as a corner of a signal past a step, there is no seed. Source:
+docs/theory.md, Derivatives by dual numbers.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,6 +46,12 @@ MAX_SEED_CHANGE = 1e-5
 """of the largest derivative of an array, by the fourth difference over the step"""
 SEED_ROUNDING = 1e-12
 """of the largest number of an array, or of 0.1 in SI units: of each number that the check weighs"""
+MAX_HALVINGS = 7
+"""of the step, for arrays whose fourth difference is too large"""
+LEAST_FALL, MOST_FALL = 4.0, 64.0
+"""of the fourth difference of a smooth function where the step is halved: 16"""
+LEAST_ERROR = 1e-11
+"""of a derivative: differences over 1e-4 of a parameter have its rounding"""
 FREE_NUMBERS = frozenset({"bodies/size"})
 """numbers that are no part of the motion, and may depend on parameters"""
 
@@ -73,11 +82,13 @@ class Start(NamedTuple):
 class Seeds:
     """The derivatives of arrays by one parameter, by record and name.
 
-    one_sided: -1 or 1 where models on one side of its value alone are valid.
+    one_sided: -1 or 1 where models on one side of its value alone are valid; error: their largest,
+    of the derivative.
     """
 
     arrays: Mapping[str, Mapping[str, Array]]
     one_sided: int
+    error: float = LEAST_ERROR
 
 
 def start_of(model: Model, rows: Callable[[LoweredModel], Index]) -> Start:
@@ -94,67 +105,110 @@ def seeds_of(
 
     `DerivativeError` where the parameter changes what cannot be differentiated.
     """
-    step = SEED_STEP * scale
     for side, offsets, weights in (
         (0, CENTRAL_STEPS, CENTRAL_WEIGHTS),
         (1, ONE_SIDED, ONE_SIDED_WEIGHTS),
         (-1, ONE_SIDED, ONE_SIDED_WEIGHTS),
     ):
-        signed = step * (side or 1)
+        step = SEED_STEP * scale * (side or 1)
+        # Each halving has half of its values from those before.
+        start_beside = cache(start_at)
+
+        def starts_over(
+            step: float,
+            offsets: Sequence[float] = offsets,
+            start_beside: Callable[[float], Start] = start_beside,
+        ) -> list[Start]:
+            return [base, *(start_beside(value + offset * step) for offset in offsets)]
+
         try:
-            starts = [start_at(value + offset * signed) for offset in offsets]
+            starts_over(step)
         except ModelError as error:
             failure = error
             continue
-        return Seeds(_derivatives([base, *starts], weights, signed, name), side)
+        arrays, share = _derivatives(starts_over, weights, step, name)
+        return Seeds(arrays, side, share)
     raise DerivativeError(f"{name}: the model is not valid beside {value:.9g}: {failure}")
 
 
 def _derivatives(
-    starts: Sequence[Start], weights: Sequence[Sequence[float]], step: float, parameter: str
-) -> dict[str, dict[str, Array]]:
+    starts_over: Callable[[float], Sequence[Start]],
+    weights: Sequence[Sequence[float]],
+    step: float,
+    parameter: str,
+) -> tuple[dict[str, dict[str, Array]], float]:
+    """The derivatives of all arrays, and the largest of their errors."""
     found: dict[str, dict[str, Array]] = {}
-    for part in starts[0].records:
-        records = [start.records[part] for start in starts]
-        _check_structure(part, records, parameter)
-        if part == "system":
-            _check_functions(starts, parameter)
+    largest = LEAST_ERROR
+    for part in starts_over(step)[0].records:
+
+        @cache
+        def samples_over(step: float, part: str = part) -> list[dict[str, Array]]:
+            records = [start.records[part] for start in starts_over(step)]
+            _check_structure(part, records, parameter)
+            return [dict(_numbers(record)) for record in records]
+
         found[part] = {}
-        samples = [dict(_numbers(record)) for record in records]
-        for name in samples[0]:
-            derivative, is_smooth = _derivative([one[name] for one in samples], weights, step)
-            # Scratch has residuals of the start, which are rounding alone.
-            if not is_smooth and part != "work":
-                raise DerivativeError(
-                    f"{parameter}: the model changes by a kink or a jump at or beside its value "
-                    f"({part}/{name})"
-                )
+        # Scratch has residuals of the start, which are rounding alone.
+        halvings = 0 if part == "work" else MAX_HALVINGS
+        names = tuple(samples_over(step)[0])
+        if part == "system":
+            _check_functions(starts_over(step), parameter)
+        for name in names:
+
+            def arrays_over(step: float, name: str = name) -> list[Array]:
+                return [one[name] for one in samples_over(step)]
+
+            derivative, error, fault = _derivative(arrays_over, weights, step, halvings)
+            if part != "work":
+                if fault:
+                    raise DerivativeError(f"{parameter}: the model {fault} ({part}/{name})")
+                largest = max(largest, error)
             if derivative.any():
                 found[part][name] = derivative
-    return found
+    return found, largest
 
 
 def _derivative(
-    arrays: Sequence[Array], weights: Sequence[Sequence[float]], step: float
-) -> tuple[Array, bool]:
-    """The derivative of an array, and whether it is smooth."""
+    arrays_over: Callable[[float], Sequence[Array]],
+    weights: Sequence[Sequence[float]],
+    step: float,
+    halvings: int,
+) -> tuple[Array, float, str]:
+    """The derivative of an array, its error over it, and what it has in place of one, if anything.
+
+    arrays_over: the arrays at all values, by the step; halvings: of it, at most.
+    """
+    arrays = arrays_over(step)
     base = arrays[0]
     # What stays the same may be infinite, or no number.
     moves = np.zeros(base.shape, dtype=bool)
     for one in arrays[1:]:
         moves |= ~((one == base) | (np.isnan(one) & np.isnan(base)))
-    derivative, is_smooth = np.zeros(base.shape), True
-    if moves.any():
-        samples = np.array([one[moves] for one in arrays])
-        formulas = np.array(weights)
-        best, change = formulas @ samples / step
-        allowed = MAX_SEED_CHANGE * np.abs(best).max()
-        rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) / abs(step)
-        allowed += np.abs(formulas[1]).sum() * rounding
-        # False too for what is no number.
-        is_smooth = bool(np.abs(change).max() <= allowed)
-        derivative[moves] = best
-    return derivative, is_smooth
+    derivative, before, falls = np.zeros(base.shape), np.inf, True
+    if not moves.any():
+        return derivative, 0.0, ""
+    formulas = np.array(weights)
+    for halving in range(halvings + 1):
+        length = step / 2.0**halving
+        samples = np.array([one[moves] for one in arrays_over(length)])
+        sums = formulas @ samples
+        derivative[moves] = sums[0] / length
+        change, size = (float(np.abs(one).max()) for one in (sums[1], sums[0]))
+        rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) * np.abs(formulas[1]).sum()
+        # No number falls.
+        falls = change <= before / LEAST_FALL
+        if halving and not before - rounding <= MOST_FALL * change:
+            falls = False
+            break
+        if falls and change <= MAX_SEED_CHANGE * size + rounding:
+            share = (change - rounding) / size if change > rounding else 0.0
+            # Of a sine: the fourth difference is x^3 / 16 of it, what D(d) leaves x^4 / 480.
+            return derivative, max(LEAST_ERROR * 2.0**halving, 0.1 * share ** (4.0 / 3.0)), ""
+        before = change
+    if falls and halvings:
+        return derivative, 0.0, f"changes too fast with it for differences over {abs(length):.2g}"
+    return derivative, 0.0, "changes by a kink or a jump at or beside its value"
 
 
 def _numbers(record: Struct) -> Iterator[tuple[str, Array]]:

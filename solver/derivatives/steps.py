@@ -42,7 +42,8 @@ class DualPhases(Phases):
         self._state = live_state(runs[0])
         entries = (advance, change_size, is_contact_near)
         self._advance, self._change, self._near = (
-            entry_with_derivatives(entry_symbol(one), k) for one in entries
+            entry_with_derivatives(entry_symbol(one), k, bool(lowered.model.surface_contacts))
+            for one in entries
         )
 
     @cached_property

@@ -6,7 +6,7 @@ node; a target is a shape, or spheres as well. Source: docs/theory.md, Contact o
 
 import math
 
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, of_surfaces
 from .far_facets import distance_from_shape
 from .planes import target_axes, target_origin
 from .records.surfaces import Surfaces
@@ -21,6 +21,7 @@ STEPS_OF_APPROACH = 3.0
 """steps ahead in which a patch that may meet its target is followed"""
 
 
+@of_surfaces
 @compiled
 def approach_surfaces(system: System, h: float, state: State, work: Workspace) -> bool:
     """Whether a patch may meet its target after a time h."""
@@ -30,6 +31,7 @@ def approach_surfaces(system: System, h: float, state: State, work: Workspace) -
     return False
 
 
+@of_surfaces
 @compiled
 def follow_surface_passages(system: System, state: State, work: Workspace) -> None:
     """Note the first contact whose patch may have passed its target within the step.

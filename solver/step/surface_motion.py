@@ -11,7 +11,7 @@ docs/theory.md, Contact of surfaces.
 import math
 
 from ..arrays import Array
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, of_surfaces
 from ..compiler.memory import copy
 from .frames import move_frames
 from .planes import place_nodes
@@ -22,6 +22,7 @@ from .system import State, System, Workspace
 from .vectors import Vector, add_to_row, inner, rotate, row
 
 
+@of_surfaces
 @compiled
 def keep_start(system: System, state: State, work: Workspace) -> None:
     """Modal coordinates, forces and gaps at the start of a step, from which works are counted."""
@@ -32,6 +33,7 @@ def keep_start(system: System, state: State, work: Workspace) -> None:
         copy(state.surfaces.gap[:n], work.surfaces.gap_n)
 
 
+@of_surfaces
 @compiled
 def keep_places(system: System, state: State, work: Workspace) -> None:
     """The nodes of contacts with friction at the start of a step, from where slips are counted."""
@@ -67,6 +69,7 @@ def _copy_places(begin: int, end: int, z: int, work: Workspace) -> None:
             work.surfaces.start[z + k - begin, x] = work.surfaces.place[k, x]
 
 
+@of_surfaces
 @compiled
 def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
     """Forces of contacts on the rigid motion of the bodies of patches, and on their active dofs."""
@@ -88,6 +91,7 @@ def load_surface_bodies(system: System, state: State, work: Workspace) -> None:
                 _add_interface_load(system, s, k, f, work)
 
 
+@of_surfaces
 @compiled
 def load_modes(system: System, state: State, work: Workspace) -> None:
     """Loads of contacts on the modes, phi^T f, and the displacements of all dofs by them."""
@@ -135,6 +139,7 @@ def _load_sources(surfaces: Surfaces, s: int, state: State, work: Workspace) -> 
     return loaded
 
 
+@of_surfaces
 @compiled
 def finish_surfaces(system: System, state: State, work: Workspace) -> None:
     """Displacements of nodes at the end of a step, and the work of contacts on the modes.

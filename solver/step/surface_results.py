@@ -2,7 +2,7 @@
 
 import math
 
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, of_surfaces
 from ..compiler.memory import copy
 from .events import end_contact
 from .facing import slip_row, support_of
@@ -26,6 +26,7 @@ def keep_velocities(system: System, state: State, work: Workspace) -> None:
         copy(state.bodies.v, work.surfaces.v_n)
 
 
+@of_surfaces
 @compiled
 def add_up_surfaces(system: System, state: State, work: Workspace) -> None:
     """Contacts of surfaces from the start to the end of a step: totals, impulses, events."""
@@ -184,6 +185,7 @@ def _record_friction(
     output.surface_row_slip_speed[k, i] = math.sqrt(square) / system.scheme.h
 
 
+@of_surfaces
 @compiled
 def record_surfaces(system: System, state: State, work: Workspace, output: Output, k: int) -> None:
     """Contacts of surfaces in row k of the output, and where asked for their rows and nodes."""

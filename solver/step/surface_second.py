@@ -7,7 +7,7 @@ work on q by the slopes S = A_C q. Source: docs/theory.md, Contact of surfaces.
 """
 
 from ..arrays import Array
-from ..compiler.marks import compiled
+from ..compiler.marks import compiled, of_surfaces
 from .second_order import first_coordinate
 from .system import State, System, Workspace
 from .vectors import Vector, inner
@@ -48,6 +48,7 @@ def _place(system: System, s: int, k: int, x: int) -> int:
     return int(bodies.slope[s] + row * system.elastic.second.r[bodies.flexible[s]])
 
 
+@of_surfaces
 @compiled
 def load_coordinates(system: System, state: State, work: Workspace) -> None:
     """f_q += S^T f of all bodies that contacts press."""
@@ -76,6 +77,7 @@ def add_slopes(system: System, s: int, k: int, b: Vector, out: Array, work: Work
                 out[j] += b[x] * work.surfaces.slope[place + j]
 
 
+@of_surfaces
 @compiled
 def add_node_curvature_slopes(system: System, state: State, work: Workspace) -> None:
     """The derivatives of S^T f by q where f does not change, in the rows of q."""

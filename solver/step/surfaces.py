@@ -14,7 +14,7 @@ Newton's method converges. Source: docs/theory.md, Contact of surfaces.
 
 import math
 
-from ..compiler.marks import compiled, entry
+from ..compiler.marks import compiled, entry, of_surfaces
 from .complementarity import solve_closed, solve_complementarity
 from .cone import by_law, is_made, make_factors, solve_cone
 from .facing import face_slips, face_target, set_row_gaps, slip_row
@@ -48,6 +48,7 @@ def await_contacts(system: System, work: Workspace) -> None:
         work.surfaces.awake[:] = 0
 
 
+@of_surfaces
 @compiled
 def press_surfaces(system: System, state: State, work: Workspace) -> None:
     """Solve for the forces of all contacts at the present motion; those on frames load them."""
@@ -68,6 +69,7 @@ def press_surfaces(system: System, state: State, work: Workspace) -> None:
     out.looks[0] += 1
 
 
+@of_surfaces
 @compiled
 def add_surface_tangents(system: System, work: Workspace) -> None:
     """K -= D^T W^-1 D: the contacts as springs between the bodies of their islands."""
@@ -109,6 +111,7 @@ def are_surfaces_closed(work: Workspace) -> bool:
     return total > 0
 
 
+@of_surfaces
 @compiled
 def add_surface_scales(system: System, state: State, work: Workspace) -> None:
     """The forces of rows, each by itself, join the force scales of the bodies."""

@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 from duhamel.solver import (
     Constant,
+    Fixed,
     FlexibleBody,
     Force,
     Frame,
     Impact,
     Model,
+    Revolute,
     RigidBody,
     Settings,
     Spring,
     Start,
+    SteadyRotation,
     UserLaw,
     simulate,
 )
@@ -251,11 +254,16 @@ def agree(make, values, steps, reads):
             )
 
 
-def of_body(name):
+def of_bodies(*names):
     return {
-        "body_position": lambda run: run.body(name).position[:, None],
-        "body_velocity": lambda run: run.body(name).velocity[:, None],
+        "body_position": lambda run: np.stack([run.body(n).position for n in names], axis=1),
+        "body_velocity": lambda run: np.stack([run.body(n).velocity for n in names], axis=1),
     }
+
+
+def displacement(run):
+    frames = ("beam.right", "beam.left")
+    return np.stack([run.frame(name).elastic_displacement for name in frames], axis=1)
 
 
 def branch(parameters, memory, h, c, rate):
@@ -300,7 +308,7 @@ def test_functions_of_users_have_derivatives_by_their_numbers():
         relaxing = UserLaw(branch, [k, tau], [0.0, 0.0], remember)
         return pulled(UserLaw(hardening), relaxing, mass=mass)
 
-    agree(make, {"mass": 2.0, "k": 200.0, "tau": 0.05}, 1e-5, of_body("body"))
+    agree(make, {"mass": 2.0, "k": 200.0, "tau": 0.05}, 1e-5, of_bodies("body"))
 
 
 def test_a_function_that_changes_with_a_parameter_is_refused():
@@ -329,7 +337,7 @@ def test_steps_of_two_sizes_are_those_of_the_plain_run():
 
     values = {"mass": 1.0, "gravity": 9.81, "stiffness": 1e7}
     assert lower(make(**values)).ratio == 10
-    agree(make, values, 1e-6, of_body("ball"))
+    agree(make, values, 1e-6, of_bodies("ball"))
 
 
 @pytest.mark.parametrize("history", ["fft", "direct"])
@@ -343,14 +351,9 @@ def test_histories_that_are_convolved_between_steps_have_derivatives(tmp_path, h
         settings = Settings(t_end=0.06, step=2e-4, history=history)
         return Model({"beam": body}, loads=[force], settings=settings)
 
-    def displacement(run):
-        frames = ("beam.right", "beam.left")
-        return np.stack([run.frame(name).elastic_displacement for name in frames], axis=1)
-
     values = {"load": 2.0, "size": 1.0}
     assert lower(make(**values)).n_steps == 300
-    reads = {"frame_elastic_displacement": displacement}
-    agree(make, values, 1e-5, reads)
+    agree(make, values, 1e-5, {"frame_elastic_displacement": displacement})
 
 
 def test_models_without_derivatives_are_named():
@@ -362,3 +365,71 @@ def test_models_without_derivatives_are_named():
     with pytest.raises(DerivativeError, match="a fixed number of iterations"):
         check_scope(lower(every_part_of().with_settings(fixed_iterations=3)))
     assert has_kinks(lower(every_part_of()))
+
+
+@pytest.mark.parametrize("steps", [400, 2000])
+def test_a_kernel_of_many_periods_has_derivatives_by_stiffness(tmp_path, steps):
+    """Its phase moves too far over a first step; differences of kernels are extrapolated."""
+    element = bar(tmp_path, 0.3, 3)
+
+    def make(size):
+        body = FlexibleBody(scaled(element, stiffness=size))
+        force = Force("beam.right", [1.0, 1.0, 0.0], Constant(2.0))
+        settings = Settings(t_end=2e-4 * steps, step=2e-4, history="direct")
+        return Model({"beam": body}, loads=[force], settings=settings)
+
+    def kernel(size):
+        return lower(make(size)).system.elastic.kernels.g
+
+    seeds = seeds_of(_start_by(make, "size", 1.0), partial(_start_by, make, "size"), "size", 1, 1.0)
+    wide, narrow = ((kernel(1.0 + d) - kernel(1.0 - d)) / (2.0 * d) for d in (2e-6, 1e-6))
+    expected = (4.0 * narrow - wide) / 3.0
+    found = seeds.arrays["system"]["elastic/kernels/g"]
+    size = np.abs(expected).max()
+    assert size > 30.0 * np.abs(kernel(1.0)).max()
+    assert np.abs(found - expected).max() < 5e-9 * size
+    assert 1e-11 < seeds.error < 1e-8
+    if steps == 400:
+        agree(make, {"size": 1.0}, 2e-6, {"frame_elastic_displacement": displacement})
+
+
+def test_what_changes_too_fast_is_told_from_kinks():
+    with pytest.raises(DerivativeError, match=r"changes too fast with it .*\(system/bodies/mass"):
+        seeds_by_mass(lambda d: 2.0 + math.sin(6e4 * d + 1.0))
+    seeds = seeds_by_mass(lambda d: 2.0 + math.sin(2e4 * d + 1.0))
+    found = seeds.arrays["system"]["bodies/mass"]
+    np.testing.assert_allclose(found, 2e4 * math.cos(1.0), rtol=seeds.error)
+    assert 64e-11 <= seeds.error < 2e-8
+
+
+def test_a_blade_in_steady_rotation_has_derivatives(tmp_path):
+    """A superelement with terms of second order, stretched and bent at the start."""
+    element = bar(tmp_path, 0.3, 3, rotation=True)
+
+    def make(spin, mass, density, stiffness, load):
+        hub = RigidBody(0.5, [1e-3, 1e-3, 2e-3], {"rim": Frame([0.05, 0, 0])})
+        blade = scaled(element, stiffness=stiffness, density=density)
+        weight = RigidBody(mass, [1e-5] * 3, start=Start([0.35, 0, 0]))
+        rotation = SteadyRotation([0.0, 0.0, spin])
+        return Model(
+            {"hub": hub, "blade": FlexibleBody(blade, Start([0.2, 0, 0])), "weight": weight},
+            joints=[
+                Revolute("ground", "hub", [0, 0, 1], name="pivot"),
+                Fixed("hub.rim", "blade.left", name="root"),
+                Fixed("blade.right", "weight", name="tip"),
+            ],
+            loads=[Force("weight", [0, 0, 1.0], Constant(load))],
+            settings=Settings(t_end=0.01, step=2e-4, start="equilibrium", steady_rotation=rotation),
+        )
+
+    values = {"spin": 40.0, "mass": 0.05, "density": 1.0, "stiffness": 1.0}
+    reads = of_bodies("hub", "blade", "weight")
+    # Velocities are next to those of the rotation, whatever the masses are.
+    del reads["body_velocity"]
+    agree(partial(make, load=2.0), values, 3e-4, reads)
+    alone = with_derivatives(lambda load: make(**values, load=load), {"load": 2.0})
+    ends = [simulate(make(**values, load=2.0 + d)).body("weight").position for d in (1e-3, -1e-3)]
+    expected = (ends[0] - ends[1]) / 2e-3
+    np.testing.assert_allclose(
+        alone["body_position"][:, 2, :, 1], expected, atol=1e-6 * np.abs(expected).max()
+    )

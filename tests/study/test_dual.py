@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from duhamel.solver import (
+    Constant,
     Contact,
     Coulomb,
     FlexibleBody,
+    Force,
     Frame,
     Impact,
     Model,
@@ -21,6 +23,7 @@ from duhamel.solver import (
     SmoothStep,
     Spring,
     Start,
+    SteadyRotation,
     UserLaw,
     simulate,
     write_model,
@@ -196,6 +199,71 @@ def test_a_start_in_equilibrium_moves_with_its_parameters():
     )
     exact = [[2.0 * 9.81 / 200.0**2, -9.81 / 200.0]]
     np.testing.assert_allclose(found.derivative, exact, rtol=1e-7)
+
+
+def test_the_stated_error_grows_where_steps_of_seeds_are_halved():
+    def made(x):
+        block = RigidBody(2.0 + math.sin(2e4 * (x - 1.0) + 1.0), [1.0] * 3)
+        pull = Force("block", [1.0, 0.0, 0.0], Constant(3.0))
+        return Model({"block": block}, loads=[pull], settings=Settings(t_end=0.1, step=1e-2))
+
+    found = sensitivities(made, {"x": 1.0}, ["final velocity:block:x"], method="dual")
+    exact = -0.3 * 2e4 * math.cos(1.0) / (2.0 + math.sin(1.0)) ** 2
+    assert abs(found.derivative[0, 0] - exact) < found.error[0, 0]
+    assert 64e-11 * abs(exact) <= found.error[0, 0] < 2e-8 * abs(exact)
+
+
+def orbiting(k=5e3, m=0.5, w=20.0, axis=(0.0, 0.0, 1.0), x=0.0):
+    """A mass on a radial spring at the end of an arm, in steady rotation."""
+    arm = RigidBody(2.0, [0.1, 0.2, 0.25], {"end": Frame([0.4, 0, 0])}, Start([x, 0, 0]))
+    return Model(
+        {"arm": arm, "bob": RigidBody(m, [1e-3] * 3, start=Start([x + 0.4, 0, 0]))},
+        joints=[
+            Revolute("ground.center", "arm", axis, name="pivot"),
+            Prismatic("arm.end", "bob", [1, 0, 0], name="slide"),
+        ],
+        springs=[Spring("leaf", "bushing", ("arm.end", "bob"), stiffness=[k, 0, 0, 0, 0, 0])],
+        ground_frames={"center": Frame([x, 0, 0])},
+        settings=Settings(
+            t_end=2e-3,
+            step=1e-5,
+            start="equilibrium",
+            steady_rotation=SteadyRotation(w * np.array(axis), [x, 0, 0]),
+        ),
+    )
+
+
+STRETCH = ["final coordinate:slide:distance"]
+
+
+@pytest.mark.parametrize(
+    ("w", "given", "rtol"),
+    [
+        (20.0, {}, 1e-7),
+        (20.0, {"axis": (0.0, -0.6, 0.8)}, 1e-7),
+        (20.0, {"x": 1000.0}, 1e-6),
+        (95.0, {}, 1e-5),
+    ],
+)
+def test_a_start_in_steady_rotation_moves_with_its_parameters(w, given, rtol):
+    """The stretch is m r w^2 / (k - m w^2), and the critical speed 100 rad/s."""
+    k, m, r = 5e3, 0.5, 0.4
+    found = sensitivities(
+        lambda k, m, w: orbiting(k, m, w, **given),
+        {"k": k, "m": m, "w": w},
+        STRETCH,
+        method="dual",
+    )
+    away = (k - m * w**2) ** 2
+    exact = [-m * r * w**2 / away, r * w**2 * k / away, 2.0 * m * r * w * k / away]
+    np.testing.assert_allclose(found.derivative[0], exact, rtol=rtol)
+
+
+def test_the_speed_of_a_steady_rotation_may_be_zero():
+    found = sensitivities(
+        lambda w: orbiting(w=w), {"w": 0.0}, STRETCH, method="dual", scales={"w": 1.0}
+    )
+    assert abs(found.derivative[0, 0]) < 1e-12
 
 
 def test_what_dual_numbers_do_not_cover_is_refused_by_name():
