@@ -10,7 +10,7 @@ from ..errors import about
 from ..model.model import Model
 from .rows import MovedSource, NotedSource
 from .run import DualRun, count_for, recorded_rows, run_with_derivatives
-from .scope import check_scope, has_kinks
+from .scope import check_scope, has_kinks, surface_error
 from .seeds import Start, seeds_of, start_of
 
 Values = Mapping[str, float]
@@ -22,7 +22,7 @@ class DifferentiatedRun:
 
     results: of the run without derivatives, whose notes these have; places: of each parameter, the
     run that has its derivative, and its number there; one_sided: by parameter, -1 or 1 where the
-    model is valid on one side of its value alone; seed_errors: by parameter, of the derivative;
+    model is valid on one side of its value alone; seed_errors: by parameter, least of derivatives;
     switches: whether forces had kinks.
     """
 
@@ -88,7 +88,8 @@ class Differentiation:
                 places |= {name: (run, i) for i, name in enumerate(group)}
         one_sided = {name: one.one_sided for name, one in seeds.items() if one.one_sided}
         switches = has_kinks(start.lowered) or any(run.switches for run, _ in places.values())
-        errors = {name: one.error for name, one in seeds.items()}
+        least = surface_error(start.lowered)
+        errors = {name: max(one.error, least) for name, one in seeds.items()}
         return DifferentiatedRun(self._results, places, one_sided, errors, switches)
 
     def _start(self, values: Values) -> Start:

@@ -11,6 +11,9 @@ from ..laws.user import UserLaw
 from ..lower.lower import LoweredModel
 from ..step.shapes import Plane, Sphere
 
+SHAPE_ERROR, FACET_ERROR = 1e-5, 8e-4
+"""least errors of derivatives where surfaces meet shapes, and facets: misses are 8e-6 and 3e-4"""
+
 
 class LawOfUser(NamedTuple):
     """owner: what has it; addresses: of its functions, of which the second may be 0; places: of
@@ -62,6 +65,12 @@ def _reasons(lowered: LoweredModel, k: int) -> Iterator[str]:
                 f"{law.owner} has a law that is a function of Python which cannot be compiled with "
                 f"derivatives ({error})"
             )
+
+
+def surface_error(lowered: LoweredModel) -> float:
+    """The least error of derivatives by which that of Newton's matrix, which they lack, counts."""
+    targets = lowered.system.surfaces.contacts.target
+    return FACET_ERROR if (targets >= 0).any() else SHAPE_ERROR if len(targets) else 0.0
 
 
 def has_kinks(lowered: LoweredModel) -> bool:

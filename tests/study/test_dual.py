@@ -28,8 +28,12 @@ from duhamel.solver import (
     simulate,
     write_model,
 )
+from duhamel.solver.compiler import digests
+from duhamel.solver.compiler.object_file import BuildError
 from duhamel.solver.couplings.friction import JointFriction
 from duhamel.solver.couplings.surface_contacts import SurfaceContact
+from duhamel.solver.derivatives import records
+from duhamel.solver.derivatives.family import Differentiation
 from duhamel.solver.errors import DerivativeError
 from duhamel.study import (
     Parameter,
@@ -39,7 +43,9 @@ from duhamel.study import (
     sensitivities,
     sensitivities_of,
 )
-from duhamel.study.dual_slopes import DIFFERENCES_INSTEAD, _departures
+from duhamel.study.asked_numbers import AskedNumbers
+from duhamel.study.dual_slopes import DIFFERENCES_INSTEAD, _chained, _departures
+from duhamel.superelement import scaled
 
 from ..solver.frameworks import bar
 from ..solver.pressing import EDGE, block
@@ -410,26 +416,117 @@ def motion_of(results):
 MOTION = {"x": "final velocity:block:x", "z": "final velocity:block:z"}
 
 
-def test_a_surface_that_sticks_by_gravity():
+@pytest.mark.parametrize(("name", "output"), [("down", "z"), ("across", "x")])
+def test_a_surface_that_sticks_by_gravity(name, output):
     # Without a load across nothing moves so, and its derivative alone does.
-    values, scales = {"down": 1e5, "across": 0.0}, {"across": 1e3}
-    found = sensitivities(pressed, values, MOTION, method="dual", scales=scales)
-    exact = by_central_differences(pressed, values, motion_of, {"down": 10.0, "across": 10.0})
-    np.testing.assert_allclose(np.diag(found.derivative[::-1]), np.diag(exact[::-1]), rtol=1e-6)
+    values = {"down": 1e5, "across": 0.0}
+
+    def make(**changed):
+        return pressed(**values | changed)
+
+    one = {name: values[name]}
+    found = sensitivities(make, one, MOTION, method="dual", scales={name: 1e3})
+    exact = by_central_differences(make, one, motion_of, {name: 10.0})
+    row = list(MOTION).index(output)
+    np.testing.assert_allclose(found.derivative[row], exact[row], rtol=1e-6)
 
 
 def test_rows_of_surfaces_that_switch_are_noticed():
-    values = {"speed": 0.5, "friction": 0.3}
+    def make(speed):
+        return pressed(speed=speed, friction=0.3, t_end=5e-5)
 
-    def make(speed, friction):
-        return pressed(speed=speed, friction=friction, t_end=5e-5)
-
-    found = sensitivities(make, values, MOTION, method="dual")
-    wide = by_central_differences(
-        make, values, motion_of, {name: 1e-2 * size for name, size in values.items()}
-    )
+    found = sensitivities(make, {"speed": 0.5}, MOTION, method="dual")
+    wide = by_central_differences(make, {"speed": 0.5}, motion_of, {"speed": 5e-3})
     assert (found.error > 1e-3 * np.abs(found.derivative)).any()
     assert (np.abs(found.derivative - wide) <= found.error).all()
+
+
+def struck(radius=0.1, stiffness=1.0):
+    """The block strikes a sphere that is heavier."""
+    start = Start([0.0, 0.0, 0.5 * EDGE + 1e-7], velocity=[0.0, 0.0, -5.0])
+    sphere = RigidBody(1e3, [1e3] * 3, {"top": Frame()}, Start([1e-4, 7e-5, -radius]))
+    return Model(
+        {"block": FlexibleBody(scaled(block(), stiffness=stiffness), start), "sphere": sphere},
+        surface_contacts=(
+            SurfaceContact("floor", ["block.low", "sphere.top"], shape="sphere", radius=radius),
+        ),
+        settings=Settings(t_end=2e-6, step=2e-7, rho_inf=0.9),
+    )
+
+
+def stacked(down=1e5, stiffness=1.0):
+    """The block on a plane, and another on it, which it meets by its surface."""
+    model = pressed(down=down, friction=0.9)
+    other = FlexibleBody(
+        scaled(block(), stiffness=stiffness), Start([1e-4, 0.0, 1.5 * EDGE], velocity=[0.1, 0, 0])
+    )
+    between = SurfaceContact("between", ["other.low", "block.top"], friction=0.1)
+    return replace(
+        model,
+        bodies={**model.bodies, "other": other},
+        surface_contacts=(*model.surface_contacts, between),
+    )
+
+
+SURFACE_FORCE = {
+    "force": "final normal_force:floor",
+    "pressure": "final largest_pressure:floor",
+    "center": "final center_of_pressure:floor:x",
+}
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "value", "share"),
+    [
+        (struck, "radius", 0.1, 1e-4),
+        (struck, "stiffness", 1.001, 1e-4),
+        (stacked, "down", 1e5, 1e-5),
+        (stacked, "stiffness", 1.001, 1e-4),
+    ],
+)
+def test_surfaces_meet_spheres_and_surfaces(make, name, value, share):
+    """To the stated least error, of differences with steps within which no row switches."""
+    values = {name: value}
+    plain = simulate(make(**values))
+    asked = AskedNumbers.of(plain, SURFACE_FORCE)
+    differentiation = Differentiation(lambda one: make(**one), values, plain, asked.numbers)
+    found = differentiation.at(values)
+    derivative, _ = _chained(found, asked, values)
+    exact = by_central_differences(make, values, asked.numbers, {name: share * value})
+    np.testing.assert_allclose(derivative, exact, rtol=found.seed_errors[name])
+    assert found.seed_errors[name] <= 8e-4
+
+
+def test_models_without_surfaces_take_code_without_them(monkeypatch):
+    asked = []
+
+    def refuse(targets):
+        asked.extend(targets)
+        raise BuildError("not now")
+
+    monkeypatch.setattr(records, "object_files", refuse)
+    records.entry_with_derivatives.cache_clear()
+    told = "cannot be built with derivatives: not now"
+    turn = {"turn": "final angle:lever:z"}
+    with pytest.raises(StudyError, match=told):
+        sensitivities(pushed(), {"torque": "loads.0.signal"}, turn, method="dual")
+    with pytest.raises(StudyError, match=told):
+        sensitivities(lambda down: pressed(down=down), {"down": 1e5}, MOTION, method="dual")
+    assert asked == ["derivatives-1", "derivatives-1-surfaces"]
+    assert digests.key(asked[0]) != digests.key(asked[1])
+
+
+def test_surfaces_that_are_open_have_no_center():
+    values = {"height": 1e-3}
+
+    def make(height):
+        return replace(
+            pressed(), bodies={"block": FlexibleBody(block(), Start([0.0, 0.0, EDGE + height]))}
+        )
+
+    found = sensitivities(make, values, SURFACE_FORCE, method="dual")
+    assert np.isnan(found.derivative[2]).all()
+    assert "center has no number in this run" in found.notes
 
 
 def test_what_has_no_dual_numbers_is_refused_by_fits_and_searches():
