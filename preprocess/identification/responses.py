@@ -103,6 +103,6 @@ def resonances(s: Complex, omega: Array, zeta: Array | float) -> Complex:
 
 
 def relative_size(errors: Array | Complex, measured: Measurement) -> float:
-    """Of weighted errors (k, ...) of all responses: their size over that of the weighted responses."""
+    """Of weighted errors (k, ...): their size over that of the weighted responses."""
     # By the choice of weights each line has the square of n_o n_i.
     return float(np.linalg.norm(errors) / np.sqrt(measured.H.size))
