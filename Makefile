@@ -11,7 +11,7 @@ DATA := $(wildcard cli/starters/*/* fmu/c/* fmu/c/fmi/*) $(wildcard view/report/
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
 EVERY := test gallery cholmod peer notebooks
 # Each process takes one thread. A file's tests go to one of them, for what they share is made once.
-PARALLEL := -n 2 --dist loadfile
+PARALLEL := -n 2 --dist loadfile --no-loadscope-reorder
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
 
 CORE := $(patsubst %,solver/step/%.py,rotations rows frames history newton equations interfaces \
@@ -25,8 +25,8 @@ FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/result
   tests/preprocess/body
 # What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; compiler and readers on the newest.
 TESTS_OF_3.12 := tests/solver/test_rigid.py tests/preprocess/parallel
-TESTS_OF_3.13 := $(filter-out tests/superelement tests/results tests/preprocess/body tests/solver/test_restart.py,$(FAST)) \
-  tests/superelement/test_file.py $(addprefix tests/results/test_,file.py old_files.py netcdf.py)
+TESTS_OF_3.13 := $(COMPILED) tests/cli/test_run.py tests/cli/test_preprocess.py tests/superelement/test_file.py \
+  $(addprefix tests/results/test_,file.py old_files.py netcdf.py)
 PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
 

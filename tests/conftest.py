@@ -21,12 +21,14 @@ take ten or more"""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is listed as slow."""
+    """Mark what is listed as slow, and begin with the files of it: none is left for the end."""
     listed = set(SLOW.read_text(encoding="utf-8").split())
+    files = {test.partition("::")[0] for test in listed}
     for item in items:
         test = item.nodeid.partition("[")[0]
         if listed & {test, test.partition("::")[0]}:
             item.add_marker("slow")
+    items.sort(key=lambda item: item.nodeid.partition("::")[0] not in files)
 
 
 @pytest.fixture(autouse=True)

@@ -28,29 +28,32 @@ LEAST_DIAGONAL = 1e-9
 
 def refined_fit(fit: ModalFit, measured: Measurement) -> ModalFit:
     """The fit with the least misfit that is found from there."""
-    damping, fit = 1e-3, _measured(fit, measured)
+    damping, (fit, error) = 1e-3, _measured(fit, measured)
     for _ in range(GAUSS_STEPS):
-        normal, slope = _equations(fit, measured)
+        normal, slope = _equations(fit, error, measured)
         # By Marquardt: parameters of different units need different damping.
         diagonal = np.diag(normal)
         diagonal = np.maximum(diagonal, LEAST_DIAGONAL * diagonal.max())
         for _ in range(DAMPING_TRIES):
             step = np.asarray(np.linalg.solve(normal + damping * np.diag(diagonal), slope))
-            trial = _measured(_moved(fit, step), measured)
+            trial, error_there = _measured(_moved(fit, step), measured)
             if trial.misfit < fit.misfit:
                 break
             damping *= 10.0
         else:
             return fit
         gain = 1.0 - (trial.misfit / fit.misfit) ** 2
-        fit, damping = trial, max(damping / 10.0, 1e-10)
+        fit, error, damping = trial, error_there, max(damping / 10.0, 1e-10)
         if gain < LEAST_IMPROVEMENT:
             break
     return fit
 
 
-def _measured(fit: ModalFit, measured: Measurement) -> ModalFit:
-    return replace(fit, misfit=relative_size(fit.misfits(measured), measured))
+def _measured(fit: ModalFit, measured: Measurement) -> tuple[ModalFit, Complex]:
+    """The fit with its misfit, and what it leaves of the responses (k, n_o n_i)."""
+    error = (measured.elastic - fit.responses(measured)).reshape(len(measured.s), -1)
+    weighted = error * measured.weights[:, None]
+    return replace(fit, misfit=relative_size(weighted, measured)), error
 
 
 def _moved(fit: ModalFit, step: Array) -> ModalFit:
@@ -71,10 +74,9 @@ def _moved(fit: ModalFit, step: Array) -> ModalFit:
     )
 
 
-def _equations(fit: ModalFit, measured: Measurement) -> tuple[Array, Array]:
+def _equations(fit: ModalFit, error: Complex, measured: Measurement) -> tuple[Array, Array]:
     functions = _functions(fit, measured.s)
     X, which = _matrices(fit, measured)
-    error = (measured.elastic - fit.responses(measured)).reshape(len(measured.s), -1)
     weighted = (functions.conj() * measured.weights[:, None] ** 2).T
     products = (weighted @ functions).real
     normal = (X @ X.T) * products[np.ix_(which, which)]

@@ -18,7 +18,7 @@ docs/theory.md, Derivatives by dual numbers.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,64 +105,79 @@ def seeds_of(
 
     `DerivativeError` where the parameter changes what cannot be differentiated.
     """
+    start_beside = cache(start_at)
     for side, offsets, weights in (
         (0, CENTRAL_STEPS, CENTRAL_WEIGHTS),
         (1, ONE_SIDED, ONE_SIDED_WEIGHTS),
         (-1, ONE_SIDED, ONE_SIDED_WEIGHTS),
     ):
         step = SEED_STEP * scale * (side or 1)
-        # Each halving has half of its values from those before.
-        start_beside = cache(start_at)
-
-        def starts_over(
-            step: float,
-            offsets: Sequence[float] = offsets,
-            start_beside: Callable[[float], Start] = start_beside,
-        ) -> list[Start]:
-            return [base, *(start_beside(value + offset * step) for offset in offsets)]
-
+        beside = _Beside(name, base, start_beside, value, offsets)
         try:
-            starts_over(step)
+            beside.starts(step)
         except ModelError as error:
             failure = error
             continue
-        arrays, share = _derivatives(starts_over, weights, step, name)
-        return Seeds(arrays, side, share)
+        arrays, error_of_all = _derivatives(beside, weights, step)
+        return Seeds(arrays, side, error_of_all)
     raise DerivativeError(f"{name}: the model is not valid beside {value:.9g}: {failure}")
 
 
+class _Beside:
+    """A model at a value of a parameter and at others beside it, `offsets` times a step away.
+
+    Each is made when it is first asked for: halved steps have half of their values from before.
+    """
+
+    def __init__(
+        self,
+        parameter: str,
+        base: Start,
+        start_at: Callable[[float], Start],
+        value: float,
+        offsets: Sequence[float],
+    ) -> None:
+        self.parameter, self.base = parameter, base
+        self._start_at, self._value, self._offsets = start_at, value, offsets
+        self._numbers: dict[tuple[str, float], list[dict[str, Array]]] = {}
+
+    def starts(self, step: float) -> list[Start]:
+        return [self.base, *(self._start_at(self._value + one * step) for one in self._offsets)]
+
+    def numbers(self, part: str, step: float) -> list[dict[str, Array]]:
+        """The arrays of a record by name, of each model; they have one structure."""
+        if (part, step) not in self._numbers:
+            records = [start.records[part] for start in self.starts(step)]
+            _check_structure(part, records, self.parameter)
+            self._numbers[part, step] = [dict(_numbers(record)) for record in records]
+        return self._numbers[part, step]
+
+    def arrays(self, part: str, name: str, step: float) -> list[Array]:
+        return [numbers[name] for numbers in self.numbers(part, step)]
+
+
 def _derivatives(
-    starts_over: Callable[[float], Sequence[Start]],
-    weights: Sequence[Sequence[float]],
-    step: float,
-    parameter: str,
+    beside: _Beside, weights: Sequence[Sequence[float]], step: float
 ) -> tuple[dict[str, dict[str, Array]], float]:
     """The derivatives of all arrays, and the largest of their errors."""
     found: dict[str, dict[str, Array]] = {}
     largest = LEAST_ERROR
-    for part in starts_over(step)[0].records:
-
-        @cache
-        def samples_over(step: float, part: str = part) -> list[dict[str, Array]]:
-            records = [start.records[part] for start in starts_over(step)]
-            _check_structure(part, records, parameter)
-            return [dict(_numbers(record)) for record in records]
-
+    for part in beside.base.records:
         found[part] = {}
         # Scratch has residuals of the start, which are rounding alone.
-        halvings = 0 if part == "work" else MAX_HALVINGS
-        names = tuple(samples_over(step)[0])
+        is_scratch = part == "work"
+        names = tuple(beside.numbers(part, step)[0])
         if part == "system":
-            _check_functions(starts_over(step), parameter)
+            _check_functions(beside.starts(step), beside.parameter)
         for name in names:
-
-            def arrays_over(step: float, name: str = name) -> list[Array]:
-                return [one[name] for one in samples_over(step)]
-
-            derivative, error, fault = _derivative(arrays_over, weights, step, halvings)
-            if part != "work":
+            derivative, error, fault = _derivative(
+                partial(beside.arrays, part, name),
+                weights,
+                [step / 2.0**halving for halving in range(1 if is_scratch else MAX_HALVINGS + 1)],
+            )
+            if not is_scratch:
                 if fault:
-                    raise DerivativeError(f"{parameter}: the model {fault} ({part}/{name})")
+                    raise DerivativeError(f"{beside.parameter}: the model {fault} ({part}/{name})")
                 largest = max(largest, error)
             if derivative.any():
                 found[part][name] = derivative
@@ -172,14 +187,13 @@ def _derivatives(
 def _derivative(
     arrays_over: Callable[[float], Sequence[Array]],
     weights: Sequence[Sequence[float]],
-    step: float,
-    halvings: int,
+    steps: Sequence[float],
 ) -> tuple[Array, float, str]:
     """The derivative of an array, its error over it, and what it has in place of one, if anything.
 
-    arrays_over: the arrays at all values, by the step; halvings: of it, at most.
+    arrays_over: the arrays at all values, by the step; steps: each half of that before.
     """
-    arrays = arrays_over(step)
+    arrays = arrays_over(steps[0])
     base = arrays[0]
     # What stays the same may be infinite, or no number.
     moves = np.zeros(base.shape, dtype=bool)
@@ -189,11 +203,10 @@ def _derivative(
     if not moves.any():
         return derivative, 0.0, ""
     formulas = np.array(weights)
-    for halving in range(halvings + 1):
-        length = step / 2.0**halving
-        samples = np.array([one[moves] for one in arrays_over(length)])
+    for halving, step in enumerate(steps):
+        samples = np.array([one[moves] for one in arrays_over(step)])
         sums = formulas @ samples
-        derivative[moves] = sums[0] / length
+        derivative[moves] = sums[0] / step
         change, size = (float(np.abs(one).max()) for one in (sums[1], sums[0]))
         rounding = SEED_ROUNDING * max(np.abs(samples).max(), 0.1) * np.abs(formulas[1]).sum()
         # No number falls.
@@ -206,8 +219,8 @@ def _derivative(
             # Of a sine: the fourth difference is x^3 / 16 of it, what D(d) leaves x^4 / 480.
             return derivative, max(LEAST_ERROR * 2.0**halving, 0.1 * share ** (4.0 / 3.0)), ""
         before = change
-    if falls and halvings:
-        return derivative, 0.0, f"changes too fast with it for differences over {abs(length):.2g}"
+    if falls and len(steps) > 1:
+        return derivative, 0.0, f"changes too fast with it for differences over {abs(step):.2g}"
     return derivative, 0.0, "changes by a kink or a jump at or beside its value"
 
 

@@ -10,6 +10,8 @@ from duhamel.results import Results
 
 from .walk import walk
 
+pytestmark = pytest.mark.validation
+
 
 @pytest.fixture(scope="module")
 def walked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:

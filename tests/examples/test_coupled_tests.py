@@ -12,6 +12,7 @@ def script(example):
     return example("coupled_tests")
 
 
+@pytest.mark.validation
 def test_a_stand_in_is_found_again_and_coupled(script, tmp_path, capsys):
     found = script.main(tmp_path, stand_in=True)
     assert [row.what for row in found] == [*["a"] * 3, *["b"] * 3, *["a and b"] * 3]

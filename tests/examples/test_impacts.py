@@ -253,6 +253,7 @@ def test_a_hook_snaps_behind_its_catch(example, tmp_path):
     assert found.force[-1] == 0.0
 
 
+@pytest.mark.validation
 def test_a_pendulum_hangs_in_a_socket(example, tmp_path):
     """Which checks the moment of friction, the loss of a half swing, and the energy."""
     found, _ = example("ball_socket").main(tmp_path)

@@ -400,7 +400,7 @@ def test_writes_are_apart(tmp_path, monkeypatch):
 def test_a_full_disk_is_one_line_and_keeps_what_was_written(room, tmp_path):
     """At whichever byte it is full; HDF5 itself would bring the process down."""
     path, contents = tmp_path / "out.h5", make_contents()
-    output = make_output(contents, 4000)
+    output = make_output(contents, 600)
     writer = write(path, contents, output, (3,))
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size + room, limits[1]))
@@ -408,7 +408,7 @@ def test_a_full_disk_is_one_line_and_keeps_what_was_written(room, tmp_path):
         message = f"^{path}: cannot be written: File too large; 3 rows are in it$"
         for _ in range(2):
             with pytest.raises(ResultsError, match=message):
-                writer.append(batch(output, 3, 3997))
+                writer.append(batch(output, 3, 597))
         assert len(Results.read(path).time) == 3
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

@@ -138,9 +138,7 @@ def in_parts(model, path, *ends):
 
 
 @pytest.mark.parametrize("history", HISTORIES)
-@pytest.mark.parametrize(
-    "ends", [(1, 80), (13, 80), (40, 80), (64, 80), (79, 80), (1, 2, 7, 8, 9, 31, 64, 65, 80)]
-)
+@pytest.mark.parametrize("ends", [(13, 80), (1, 2, 7, 8, 9, 31, 64, 65, 79, 80)])
 def test_a_run_in_parts_is_that_in_one_to_the_bit(coarse, history, ends, tmp_path):
     model = machine(coarse, history=history)
     simulate(model, output=tmp_path / "whole.h5")
@@ -170,17 +168,16 @@ def test_a_run_goes_on_in_the_middle_of_a_contact(coarse, history, between, tmp_
     assert_same(path, tmp_path / "whole.h5")
 
 
-@pytest.mark.parametrize("history", HISTORIES)
 @pytest.mark.parametrize(
     "settings",
     [
-        {"every": 3},
-        {"rule": "paper"},
+        {"every": 3, "history": "fft"},
+        *({"rule": "paper", "history": history} for history in HISTORIES),
         {"history": "auto"},
     ],
 )
-def test_it_is_so_with_other_settings(coarse_beam, history, settings, tmp_path):
-    model = machine(coarse_beam.element, **{"history": history, **settings})
+def test_it_is_so_with_other_settings(coarse_beam, settings, tmp_path):
+    model = machine(coarse_beam.element, **settings)
     simulate(model, output=tmp_path / "whole.h5")
     in_parts(model, tmp_path / "parts.h5", 37, 50, 80)
     assert_same(tmp_path / "parts.h5", tmp_path / "whole.h5")
@@ -291,7 +288,7 @@ def test_a_run_that_fails_keeps_the_state_before(coarse, tmp_path):
 
 @pytest.mark.parametrize("earlier", [False, True])
 def test_a_run_that_goes_on_and_is_stopped_at_once_keeps_its_rows(coarse, earlier, tmp_path):
-    model, path = machine(coarse, 40, checkpoint={"every": 3}), tmp_path / "out.h5"
+    model, path = machine(coarse, 40, checkpoint={"every": 8}), tmp_path / "out.h5"
     if earlier:
         simulate(model.with_settings(t_end=20 * H), output=path)
     simulate(interrupting(model, 10**9, OSError()), output=tmp_path / "whole.h5")
@@ -315,7 +312,7 @@ def test_a_run_that_goes_on_and_is_stopped_at_once_keeps_its_rows(coarse, earlie
 
 @pytest.mark.parametrize("earlier", [False, True])
 def test_a_run_that_goes_on_and_fails_at_once_keeps_its_rows(coarse, earlier, tmp_path):
-    model, path = machine(coarse, checkpoint={"every": 1}), tmp_path / "out.h5"
+    model, path = machine(coarse, 40, checkpoint={"every": 5}), tmp_path / "out.h5"
     if earlier:
         simulate(model.with_settings(t_end=20 * H), output=path)
     kick = Force("beam.tip", [1, 0, 0], Steps((0.0, 25.5 * H), (0.0, 1e60)))
@@ -325,7 +322,7 @@ def test_a_run_that_goes_on_and_fails_at_once_keeps_its_rows(coarse, earlier, tm
             simulate(failing, output=path, resume=resume)
         file = tmp_path / ("out.h5.partial" if earlier else "out.h5")
         assert len(Results.read(file).time) >= 25
-        assert 24 <= read_state(checkpoint_of(file)).snapshot.step <= 26
+        assert read_state(checkpoint_of(file)).snapshot.step == 20
 
 
 def test_rows_after_the_state_are_written_anew(coarse, tmp_path):

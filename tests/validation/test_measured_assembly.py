@@ -24,9 +24,12 @@ from duhamel import preprocess
 from duhamel.preprocess.measured.part import identified as fit_of_test
 from duhamel.preprocess.progress import Stages
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:.* modes for steps down to:duhamel.superelement.StepWarning"
-)
+pytestmark = [
+    pytest.mark.validation,
+    pytest.mark.filterwarnings(
+        "ignore:.* modes for steps down to:duhamel.superelement.StepWarning"
+    ),
+]
 
 
 @cache

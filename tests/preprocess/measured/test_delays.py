@@ -41,7 +41,7 @@ def late(seconds, channels=(), hits=()):
     "errors",
     [
         Errors(),
-        *(replace(NOISY, seed=seed) for seed in range(1, 4)),
+        NOISY,
         replace(ALL, window=9.2),
         replace(ALL, mass=0.008),
         replace(ALL, cords=4.0),

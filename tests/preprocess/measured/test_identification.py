@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from duhamel.preprocess.identification.identify import REST_PLACES, identify
 from duhamel.preprocess.identification.loading import FreeModes, without_masses
-from duhamel.preprocess.identification.refinement import _equations, _moved, refined_fit
+from duhamel.preprocess.identification.refinement import _equations, _measured, _moved, refined_fit
 from duhamel.preprocess.identification.responses import Measurement, ModalFit, resonances
 from duhamel.preprocess.identification.shapes import passive_rest, shape_of
 from scipy.linalg import eigh
@@ -114,7 +114,7 @@ def test_slopes_of_the_misfit_are_differences():
     rng = np.random.default_rng(3)
     rest = tuple(0.1 * rng.standard_normal((Q, n)) for n in (2, 1))
     fit = replace(true, shapes=1.05 * true.shapes, zeta=1.1 * true.zeta, rest=rest)
-    _, slope = _equations(fit, measured)
+    _, slope = _equations(*_measured(fit, measured), measured)
 
     def half_square(step):
         return 0.5 * (_moved(fit, step).misfits(measured) ** 2).sum()

@@ -44,7 +44,9 @@ def of_accelerances(tmp_path_factory):
     return preprocess.build(written(tmp_path_factory.mktemp("frf"), arrays))
 
 
-@pytest.mark.parametrize(("seconds", "window"), [(0.8, 0.0), (0.25, 20.0)])
+@pytest.mark.parametrize(
+    ("seconds", "window"), [pytest.param(0.8, 0.0, marks=pytest.mark.validation), (0.25, 20.0)]
+)
 def test_impulse_responses_are_the_part_of_their_accelerances(
     seconds, window, of_accelerances, tmp_path
 ):
@@ -112,6 +114,7 @@ def of_modes(part):
     return frequency, np.abs(fit.zeta[nearest] / truth().zeta[:9] - 1.0).max()
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("seconds", "window"), [(0.4, 15.0)])
 def test_noise_over_time_is_as_harmless_as_noise_of_lines(seconds, window, tmp_path):
     """White noise, of 2 % of the median line of each response; bounds of frequency responses."""

@@ -31,11 +31,11 @@ RIGID = pytest.mark.parametrize(
     "errors",
     [
         Errors(),
-        *(replace(ALL, seed=seed) for seed in range(1, 6)),
+        *(replace(ALL, seed=seed) for seed in (1, 2)),
         replace(ALL, mass=0.008),
         replace(ALL, window=9.2),
     ],
-    ids=["exact", "1", "2", "3", "4", "5", "heavy sensors", "window"],
+    ids=["exact", "1", "2", "heavy sensors", "window"],
 )
 def test_a_test_that_is_right_has_no_doubts(errors, rigid, tmp_path):
     assert doubts(measure(errors), tmp_path, rigid=rigid) == []
@@ -44,7 +44,7 @@ def test_a_test_that_is_right_has_no_doubts(errors, rigid, tmp_path):
 @pytest.mark.parametrize(("low", "cords"), [(30, 0.0), (60, 0.0), (30, 6.0), (60, 12.0)])
 def test_neither_a_higher_band_nor_soft_cords_are_faults(low, cords, tmp_path):
     edit = table("angle.toml", "band = [20, 5000]", f"band = [{low}, 5000]")
-    for seed in range(1, 5):
+    for seed in (1, 2):
         assert doubts(measure(replace(ALL, cords=cords, seed=seed)), tmp_path, edit) == []
 
 
@@ -52,7 +52,7 @@ def test_neither_a_higher_band_nor_soft_cords_are_faults(low, cords, tmp_path):
 @pytest.mark.parametrize(
     ("low", "cords", "stiff"),
     [
-        *((20, cords, cords > 5.0) for cords in (0.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0, 12.0)),
+        *((20, cords, cords > 5.0) for cords in (2.0, 4.0, 6.0, 8.0, 12.0)),
         (60, 18.0, True),
     ],
 )
@@ -74,9 +74,7 @@ def test_mass_by_responses_on_stiff_cords_is_none_or_told(tmp_path):
         doubts(bench, tmp_path, rigid='from = "frf"')
 
 
-@pytest.mark.parametrize(
-    ("cords", "highest"), [(18.0, 24), (20.0, 27), (30.0, 40), (40.0, 54), (60.0, 81)]
-)
+@pytest.mark.parametrize(("cords", "highest"), [(18.0, 24), (30.0, 40), (60.0, 81)])
 def test_cords_with_resonances_in_the_band_are_told_by_the_highest(cords, highest, tmp_path):
     """Of six, with which the part moves on them as a rigid one."""
     for errors in (ALL, replace(ALL, noise=0.05, floor=5e-3, seed=2), replace(ALL, damping=0.3)):

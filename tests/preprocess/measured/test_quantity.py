@@ -41,8 +41,8 @@ def test_lines_at_0_hz_or_without_numbers_do_not_hide_it(said):
         require_quantity("angle.npz", FrequencyData(f, H, quantity=said))
 
 
-@pytest.mark.parametrize("low", [20.0, 60.0, 100.0, 140.0, 170.0, 190.0, 300.0])
-@pytest.mark.parametrize("cords", [0.0, 6.0, 12.0, 18.0, 30.0, 60.0])
+@pytest.mark.parametrize("low", [20.0, 100.0, 140.0, 190.0])
+@pytest.mark.parametrize("cords", [0.0, 12.0, 30.0])
 def test_neither_cords_nor_resonances_make_another_quantity(low, cords):
     for errors in (ALL, NOISE, replace(ALL, damping=0.3)):
         bench = measure(replace(errors, cords=cords))

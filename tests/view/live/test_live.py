@@ -72,10 +72,11 @@ class Held:
 
 
 @pytest.fixture
-def served(folder):
+def served(folder, monkeypatch):
     control, told = Held(folder / "short.h5"), []
     with watched(control, folder / "short.h5", "a <i>title", 0.06, told.append) as watch:
         yield watch, control, urlsplit(told[0])
+        monkeypatch.setattr(watched_run, "SECONDS_UNSEEN", -watched_run.SECONDS_TO_LOAD)
 
 
 def answer(address, path, method="GET", **headers):
