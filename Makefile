@@ -6,10 +6,12 @@ VENV ?= .venv
 SCRIPTS := $(if $(filter Windows_NT,$(OS)),Scripts,bin)
 BIN := $(VENV)/$(SCRIPTS)
 CI := build/ci
+# Where lint and docs find their tools.
+TOOLS ?= $(VENV)
 PACKAGES := files inputs superelement cad results preprocess solver view study robots fmu cli
 DATA := $(wildcard cli/starters/*/* fmu/c/* fmu/c/fmi/*) $(wildcard view/report/*.css view/report/*.html view/report/*.js)
 SOURCES := pyproject.toml $(shell find $(PACKAGES) top -name '*.py' -o -name py.typed) $(DATA)
-EVERY := test gallery cholmod peer notebooks
+EVERY := test gallery cholmod peer notebooks docs
 # Each process takes one thread. A file's tests go to one of them, for what they share is made once.
 PARALLEL := -n 2 --dist loadfile --no-loadscope-reorder
 LOCK := --quiet --upgrade --generate-hashes --python-version 3.11 --custom-compile-command "make constraints"
@@ -52,11 +54,11 @@ test: $(VENV)/.installed ## the tests that take up to three seconds each, on two
 slow-test: $(VENV)/.installed ## those that take longer, as tests/slow.txt lists them; .ci/run runs them too
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "slow and not validation and not large and not soak"
 
-lint: $(VENV)/.installed build/types/.linked ## style and types
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	MYPYPATH=build/types $(BIN)/mypy -p duhamel
-	$(BIN)/python tools/budget.py
+lint: $(TOOLS)/.installed build/types/.linked ## style and types
+	$(TOOLS)/$(SCRIPTS)/ruff check .
+	$(TOOLS)/$(SCRIPTS)/ruff format --check .
+	MYPYPATH=build/types $(TOOLS)/$(SCRIPTS)/mypy -p duhamel
+	$(TOOLS)/$(SCRIPTS)/python tools/budget.py
 
 validation: $(VENV)/.validation ## published problems and peer codes; takes minutes
 	$(BIN)/python -m pytest -m validation --complete
@@ -116,10 +118,10 @@ mutants: $(VENV)/.installed ## faults put into the core, and which the tests do 
 benchmark: $(VENV)/.validation ## timed work and ratios to peers, in build/benchmarks.md; takes 90 minutes
 	$(BIN)/python benchmarks
 
-docs: $(VENV)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
-	$(BIN)/python tools/draw_architecture.py
-	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(BIN)/mkdocs build --strict --quiet
-	$(BIN)/python tools/check_site.py build/site
+docs: $(TOOLS)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
+	$(TOOLS)/$(SCRIPTS)/python tools/draw_architecture.py
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=build/types $(TOOLS)/$(SCRIPTS)/mkdocs build --strict --quiet
+	$(TOOLS)/$(SCRIPTS)/python tools/check_site.py build/site
 	@echo "documentation: $(CURDIR)/build/site/index.html; its search needs: python -m http.server -d build/site"
 
 notebooks: $(VENV)/.notebooks ## the notebooks, run, with their pictures, in build/notebooks
@@ -170,6 +172,9 @@ $(CI)/%/.wheel: $(CI)/%/.installed build/wheel/.built
 
 $(CI)/3.11/.installed: $(INSTALL)
 	.ci/install $(PYTHON) $(CI)/3.11 constraints.txt $(EVERY) audit
+	@touch $@
+
+$(CI)/3.11/.docs: $(CI)/3.11/.installed
 	@touch $@
 
 $(CI)/tools/.installed: .ci/release_tools.txt
