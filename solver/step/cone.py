@@ -67,12 +67,6 @@ def solve_cone(
     for _ in range(MAX_COEFFICIENTS):
         if not _find_forces(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial):
             return -1
-        if (
-            n > 0
-            and n_parts(lam[0]) > 1
-            and not _correct_slopes(n, W, q, mu, active, A, order, pivots, made, lam, y, law, trial)
-        ):
-            return -1
         if not _follow_slips(n, mu, y, law):
             # Zero to the bit, where the last correction left rounding.
             for i in range(n):
@@ -144,8 +138,8 @@ def _relax(n: int, W: Array, q: Array, mu: Array, lam: Array, law: Array) -> Non
             first = lam[i + 1] - r * (q[i + 1] + inner(W[i + 1, :n], lam[:n]))
             second = lam[i + 2] - r * (q[i + 2] + inner(W[i + 2, :n], lam[:n]))
             size, limit = math.sqrt(first * first + second * second), law[i, 2] * lam[i]
-            part = limit / size if size > limit else 1.0
-            lam[i + 1], lam[i + 2] = part * first, part * second
+            share = limit / size if size > limit else 1.0
+            lam[i + 1], lam[i + 2] = share * first, share * second
 
 
 @compiled
@@ -181,27 +175,43 @@ def _run_newton(
             return False
         _set_correction(n, count, W, active, law, A, order, pivots, y, trial)
         # At kinks of the law a whole correction may lead from one side to the other and back.
-        before, part = residual, 1.0
+        before, share = residual, 1.0
         for i in range(n):
             lam[i] += trial[i]
         residual = _judge(n, W, q, mu, active, lam, y, law)
         for _halving in range(MAX_HALVINGS):
-            if residual <= (1.0 - 0.1 * part) * before:
+            if residual <= (1.0 - 0.1 * share) * before:
                 break
-            part *= 0.5
+            share *= 0.5
             for i in range(n):
-                lam[i] -= part * trial[i]
+                lam[i] -= share * trial[i]
             residual = _judge(n, W, q, mu, active, lam, y, law)
         # Where no part of it helps the whole is taken: a set of rows that changes leads on.
-        if not residual <= (1.0 - 0.1 * part) * before and residual > SUFFICIENT_RESIDUAL * largest:
+        if (
+            not residual <= (1.0 - 0.1 * share) * before
+            and residual > SUFFICIENT_RESIDUAL * largest
+        ):
             for i in range(n):
-                lam[i] += (1.0 - part) * trial[i]
+                lam[i] += (1.0 - share) * trial[i]
             residual = _judge(n, W, q, mu, active, lam, y, law)
         slow = kept and not residual < SLOW_RATE * before
     largest = 0.0
     for i in range(n):
         largest = max(largest, abs(lam[i]))
-    return bool(residual <= SUFFICIENT_RESIDUAL * largest)
+    if not residual <= SUFFICIENT_RESIDUAL * largest:
+        return False
+    if n == 0 or n_parts(lam[0]) == 1:
+        return True
+    # Values end the iteration, also at once. With factors of the law as it is one more correction
+    # of derivatives alone is exact.
+    count = order_rows(n, active, order)
+    if not make_factors(n, count, W, active, law, order, pivots, A, made):
+        return False
+    _set_correction(n, count, W, active, law, A, order, pivots, y, trial)
+    for i in range(n):
+        lam[i] += trial[i] - part(trial[i], 0)
+    _judge(n, W, q, mu, active, lam, y, law)
+    return True
 
 
 @compiled
@@ -229,36 +239,6 @@ def _set_correction(
     substitute_lu(count, A, pivots, y)
     for a in range(count):
         trial[order[a]] = y[a]
-
-
-@compiled
-def _correct_slopes(
-    n: int,
-    W: Array,
-    q: Array,
-    mu: Array,
-    active: Index,
-    A: Array,
-    order: Index,
-    pivots: Index,
-    made: Index,
-    lam: Array,
-    y: Array,
-    law: Array,
-    trial: Array,
-) -> bool:
-    """One correction of derivatives alone, exact with factors of the law as it is.
-
-    Newton's method ends by values, also at once. False where the law is singular.
-    """
-    count = order_rows(n, active, order)
-    if not make_factors(n, count, W, active, law, order, pivots, A, made):
-        return False
-    _set_correction(n, count, W, active, law, A, order, pivots, y, trial)
-    for i in range(n):
-        lam[i] += trial[i] - part(trial[i], 0)
-    _judge(n, W, q, mu, active, lam, y, law)
-    return True
 
 
 @compiled
