@@ -77,8 +77,8 @@ def dual_slopes(
         away = _departures(
             asked, asked.numbers(found.values), asked.numbers(results), value, scales
         )
-        seeds = np.array([found.seed_errors[name] for name in scales])
-        shares = np.maximum(seeds, DEPARTURE_MARGIN * away[:, None])
+        least = np.array([found.least_errors[name] for name in scales])
+        shares = np.maximum(least, DEPARTURE_MARGIN * away[:, None])
         error = np.maximum(error, shares * np.abs(value))
     except DerivativeError as failure:
         raise StudyError(f'{failure}; take method = "differences"') from failure

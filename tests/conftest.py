@@ -21,7 +21,7 @@ take ten or more"""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is listed as slow, and begin with the files of it: none is left for the end."""
+    """Mark what is listed as slow, and begin with its files, that none is left for the end."""
     listed = set(SLOW.read_text(encoding="utf-8").split())
     files = {test.partition("::")[0] for test in listed}
     for item in items:

@@ -22,14 +22,14 @@ class DifferentiatedRun:
 
     results: of the run without derivatives, whose notes these have; places: of each parameter, the
     run that has its derivative, and its number there; one_sided: by parameter, -1 or 1 where the
-    model is valid on one side of its value alone; seed_errors: by parameter, least of derivatives;
+    model is valid on one side of its value alone; least_errors: by parameter, of each derivative;
     switches: whether forces had kinks.
     """
 
     results: Results
     places: Mapping[str, tuple[DualRun, int]]
     one_sided: Mapping[str, int]
-    seed_errors: Mapping[str, float]
+    least_errors: Mapping[str, float]
     switches: bool
 
     def moved(self, parameter: str, distance: float) -> Results:
