@@ -15,6 +15,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Set
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 from llvmlite import binding as llvm
@@ -43,6 +44,7 @@ from .memory import copy
 from .numba_types import WORD, address_and_length, copy_view, numba_type, packed_view
 from .struct import ArrayField
 from .targets import COMPILED_TARGETS, CodeTarget
+from .typed import keep_module, kept_module
 
 NUMBA_OPTIONS = {
     "nopython": True,
@@ -75,32 +77,41 @@ def main() -> None:
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]]):
+        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]], _kept_or_typed):
             output.write(OBJECT_MARK + code)
 
 
-def build(targets: Iterable[CodeTarget]) -> list[bytes]:
+def build(
+    targets: Iterable[CodeTarget], typed: Callable[[int, bool], bytes] | None = None
+) -> list[bytes]:
     """An object file of all entries for each target; any exception where numba is not as expected.
 
-    Functions are typed once for all targets with as many derivatives, which takes two thirds of the
-    time.
+    typed: the module of all entries as bitcode, of numbers with k derivatives, with contacts of
+    surfaces or without; by default it is made here. One serves all targets, and the code is the
+    same whether it was kept or made now.
     """
-    modules: dict[tuple[int, bool], Any] = {}
+    typed = cache(typed or _typed)
     codes = []
     with _fewer_collections():
         for target in targets:
-            kind = target.derivatives, target.surfaces
-            if kind not in modules:
-                modules[kind] = _module(*kind)
-            codes.append(_emitted(modules[kind].clone(), target))
+            module = llvm.parse_bitcode(typed(target.derivatives, target.surfaces))
+            codes.append(_emitted(module, target))
     return codes
 
 
-def _module(k: int, surfaces: bool) -> Any:
-    """All entries, of numbers with k derivatives, and what they call."""
+def _kept_or_typed(k: int, surfaces: bool) -> bytes:
+    module = kept_module(k, surfaces)
+    if module is None:
+        module = _typed(k, surfaces)
+        keep_module(k, surfaces, module)
+    return module
+
+
+def _typed(k: int, surfaces: bool) -> bytes:
     libraries: list[Any] = []
     dispatchers = _dispatchers(libraries, k, SURFACE_FUNCTIONS if k and not surfaces else set())
-    return _linked(_entry_module(dispatchers, k), libraries)
+    module = _linked(_entry_module(dispatchers, k), libraries)
+    return bytes(module.as_bitcode())
 
 
 @contextmanager

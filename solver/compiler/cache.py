@@ -19,6 +19,7 @@ from functools import cache
 from pathlib import Path
 
 from ...files.handles import BINARY_FLAG
+from .digests import checked_code
 
 BY_FOLDER = os.open in os.supports_dir_fd and os.scandir in os.supports_fd
 """whether files can be opened relative to an open folder; not on Windows, where the folders of
@@ -114,6 +115,19 @@ def opened_cache(make: bool = False) -> Iterator[Cache]:
     finally:
         if handle is not None:
             os.close(handle)
+
+
+def kept_content(name: str) -> bytes | None:
+    """What a file holds before its digest; None where there is none, or not a whole one of ours."""
+    try:
+        with opened_cache() as folder:
+            content = folder.read(name)
+    except NotPrivateError as refusal:
+        tell_once(str(refusal))
+        return None
+    except OSError:
+        return None
+    return checked_code(content)
 
 
 def cache_folder() -> Path:

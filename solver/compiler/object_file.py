@@ -22,13 +22,18 @@ from pathlib import Path
 from typing import Any
 
 from . import marks
-from .cache import NotPrivateError, cache_folder, is_private, opened_cache, tell_once
-from .digests import checked_code, key, with_digest
+from .cache import cache_folder, is_private, kept_content, opened_cache
+from .digests import key, with_digest
 from .shipped import shipped_code
-from .targets import COMPILED_TARGETS, HOST_TARGET
+from .targets import COMPILED_TARGETS, HOST_TARGET, CodeTarget
+from .typed import kept_module
 
 MAX_OBJECT_FILES = 16
 """object files that stay in the cache, the newest ones"""
+TYPING_SECONDS = {(False, False): 40, (True, False): 30, (True, True): 50}
+"""by whether numbers have derivatives, and contacts surfaces"""
+EMITTING_SECONDS = {(False, False): 12, (True, False): 8, (True, True): 13}
+"""the same, for each target"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
 
@@ -114,16 +119,8 @@ def object_files(targets: Sequence[str]) -> dict[str, bytes]:
 
 
 def _cached_code(target: str = HOST_TARGET) -> bytes | None:
-    """The object file in the cache; None if there is none, or not a whole one, or not our own."""
-    try:
-        with opened_cache() as folder:
-            content = folder.read(_name(target))
-    except NotPrivateError as refusal:
-        tell_once(str(refusal))
-        return None
-    except OSError:
-        return None
-    return checked_code(content)
+    """The object file in the cache; None where there is none to use."""
+    return kept_content(_name(target))
 
 
 def _new_code() -> bytes:
@@ -185,12 +182,11 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
     The process leaves nothing behind, neither of numba's 200 MB nor of a failure. Where Python is
     embedded in another program there is none to be started, and they are made in this one.
     """
-    seconds, more = 8 + 7 * len(targets), ""
-    if any(COMPILED_TARGETS[target].derivatives for target in targets):
-        seconds = sum(70 if COMPILED_TARGETS[target].surfaces else 40 for target in targets)
-        more = ", with derivatives"
+    chosen = [COMPILED_TARGETS[target] for target in targets]
+    more = ", with derivatives" if any(target.derivatives for target in chosen) else ""
     _announce(
-        f"compiling the time step, about {seconds} seconds{more}; later runs find it compiled"
+        f"compiling the time step, about {_expected_seconds(chosen)} seconds{more}; later runs "
+        f"find it compiled"
     )
     if not sys.executable or hasattr(sys, "frozen"):
         return _built_here(targets)
@@ -212,6 +208,15 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
             raise BuildError(report)
         raise BuildError(_reason(report) or f"its process ended with {process.returncode}")
     return codes
+
+
+def _expected_seconds(targets: Sequence[CodeTarget]) -> int:
+    """On a server of 2026; a fast laptop takes half of it."""
+    kinds = {(target.derivatives, target.surfaces) for target in targets}
+    typing = [kind for kind in kinds if kept_module(*kind) is None]
+    return sum(TYPING_SECONDS[k > 0, surfaces] for k, surfaces in typing) + sum(
+        EMITTING_SECONDS[target.derivatives > 0, target.surfaces] for target in targets
+    )
 
 
 def _built_here(targets: Sequence[str]) -> list[bytes]:

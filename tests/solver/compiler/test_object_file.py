@@ -358,7 +358,7 @@ def test_where_numba_has_changed_the_stock_compiler_takes_over(changed_numba):
     assert done.stdout == "('stock', 1, 2)\n"
     lines = done.stderr.splitlines()
     assert len(lines) == 3
-    assert "about 15 seconds" in lines[0]
+    assert "about 52 seconds" in lines[0]
     assert "does not know this numba" in lines[1]
     assert "ImportError: cannot import name 'JITCodeLibrary'" in lines[1]
     assert "numba's public interface compiles now: three to four minutes" in lines[2]
