@@ -19,7 +19,7 @@ from .archive import archive
 from .description import Experiment, description, terminals
 from .errors import FMUError
 from .image import image_of, token_of
-from .library import C_SOURCES, FMI_PLATFORMS, Parts, StepTimes, linked, step_times
+from .library import C_SOURCES, FMI_PLATFORMS, Parts, StepTimes, compiler_of, linked, step_times
 from .naming import identifier
 from .parameters import kept_by_gains
 from .variables import Variable, VariableKind, variables
@@ -196,6 +196,8 @@ def _parts(
     platforms: Sequence[str], cpu: str, experiment: Experiment, image: bytes
 ) -> tuple[Parts, ...]:
     """What is linked, for each platform."""
+    for one in platforms:
+        compiler_of(one)  # a missing one is told before the time step is compiled
     # All at once: functions are typed once for all targets.
     targets = [_target(one, cpu) for one in platforms]
     codes, level = object_files(targets), 3 if cpu == "x86-64-v3" else 0

@@ -106,6 +106,8 @@ def test_the_times_of_steps_are_told(exported):
 def test_without_ziglang_the_compiler_of_the_machine_links(exported, monkeypatch, slave):
     monkeypatch.setattr(library, "find_spec", lambda _: None)
     slave(exported(rod()).path).step(0.0, 1e-3)
+    # what is refused is refused before anything is compiled
+    monkeypatch.setattr("duhamel.fmu.export.object_files", lambda _: pytest.fail("compiled"))
     with pytest.raises(fmu.FMUError, match=r"aarch64-darwin: expected ziglang.*duhamel\[fmu\]"):
         exported(rod(), platforms=["aarch64-darwin"], cpu="x86-64-v3")
     monkeypatch.setattr(shutil, "which", lambda _: None)
