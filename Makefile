@@ -48,7 +48,7 @@ demo: $(VENV)/.installed ## a mesh of a beam, its superelement, the paper's Case
 	  --title "Case 1: a beam on a hub that a torque turns and stops" -o out/case1.png
 	@echo "hub speed and tip deflection: $(CURDIR)/out/case1.png"
 
-test: $(VENV)/.installed ## the tests that take up to three seconds each, on two processes
+test: $(VENV)/.installed ## the tests that take up to a second each, on two processes
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL) -m "not slow and not validation and not large and not soak"
 
 slow-test: $(VENV)/.installed ## those that take longer, as tests/slow.txt lists them; .ci/run runs them too
@@ -115,7 +115,7 @@ soak: $(VENV)/.installed ## ten million steps, two hundred bodies, every bad val
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
 	nice $(BIN)/python tools/mutate.py $(CORE)
 
-benchmark: $(VENV)/.validation ## timed work and ratios to peers, in build/benchmarks.md; takes 90 minutes
+benchmark: $(VENV)/.benchmark ## timed work and ratios to peers, in build/benchmarks.md; takes 90 minutes
 	$(BIN)/python benchmarks
 
 docs: $(TOOLS)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
@@ -148,6 +148,10 @@ $(VENV)/.installed: $(INSTALL)
 
 $(VENV)/.validation: $(VENV)/.installed
 	.ci/install $(PYTHON) $(VENV) constraints.txt test validation
+	@touch $@
+
+$(VENV)/.benchmark: $(VENV)/.installed
+	.ci/install $(PYTHON) $(VENV) constraints.txt test benchmark
 	@touch $@
 
 $(VENV)/.docs: $(VENV)/.installed
@@ -195,7 +199,7 @@ $(CI)/lowest/.installed: $(INSTALL) constraints-lowest.txt
 	@touch $@
 
 $(CI)/%/.installed: $(INSTALL)
-	.ci/install $$(.ci/python $*) $(CI)/$* constraints.txt test $(if $(filter 3.12,$*),mpi)
+	.ci/install $$(.ci/python $*) $(CI)/$* constraints.txt $(if $(filter 3.12,$*),pytest mpi,test)
 	@touch $@
 
 # An editable install hides the namespace from mypy, so it is shown a tree of links with the same shape.

@@ -4,10 +4,8 @@ The pendulum (A01) and two linkages in a row (A02) of the IFToMM library, 10 s w
 The other programs use joint coordinates, in which a pendulum has no constraint. Their loops are
 closed by `connect` in MuJoCo, by ball constraints in Drake, and by `constraintDynamics` in
 Pinocchio, which has no time stepping of its own: RK4 in Python here. Times are those of whole runs
-with all states recorded, on one thread.
-
-    python -m pip install mujoco drake pin
-    python benchmarks/beside_robotics.py [--repeats N]
+with all states recorded, on one thread. Needs the extra `benchmark`. Run as
+`python benchmarks/beside_robotics.py [--repeats N]`.
 """
 
 import argparse

@@ -1,7 +1,8 @@
 """Cost of a step of the history in each of its forms, over interface dofs, modes and steps; and
 what `auto` takes.
 
-The history alone, without Newton and the rest of a step: loads are given. CPU time, one thread.
+The history alone, without Newton and the rest of a step: loads are given. CPU time, one thread,
+less that of the same calls from Python for a rigid body, which has no history.
 
     python benchmarks/history.py [--steps 1000 10000 100000]
 """
@@ -15,6 +16,7 @@ from duhamel.solver import (
     Constant,
     FlexibleBody,
     Model,
+    RigidBody,
     Settings,
 )
 from duhamel.solver.arrays import Array
@@ -70,6 +72,15 @@ def measure(body: Superelement, history: str, n_steps: int) -> float:
         loads=loads,
         settings=Settings(t_end=n_steps * H, step=H, rho_inf=0.9, history=history),
     )
+    return microseconds(model, n_steps) - microseconds(rigid(), min(n_steps, 100_000))
+
+
+def rigid() -> Model:
+    return Model({"body": RigidBody(1.0, [1.0, 1.0, 1.0])}, settings=Settings(t_end=H, step=H))
+
+
+def microseconds(model: Model, n_steps: int) -> float:
+    """Of the history of a step, and of calls."""
     initial = initialize(model)
     system, state, work = initial.lowered.system, initial.state, initial.work
     convolution = DyadicConvolution(system.elastic)

@@ -16,19 +16,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 SLOW = Path(__file__).parent / "slow.txt"
-"""tests that take more than three seconds, a line each, without their parameters; and files that
-take ten or more"""
+"""tests that take more than a second, a line each, without their parameters, and files of many; in
+the order in which files begin. The first needs compiled code, and the next do not wait for it"""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is listed as slow, and begin with its files, that none is left for the end."""
-    listed = set(SLOW.read_text(encoding="utf-8").split())
-    files = {test.partition("::")[0] for test in listed}
+    listed = dict.fromkeys(SLOW.read_text(encoding="utf-8").split())
+    files = {file: i for i, file in enumerate(dict.fromkeys(map(_file, listed)))}
     for item in items:
-        test = item.nodeid.partition("[")[0]
-        if listed & {test, test.partition("::")[0]}:
+        if item.nodeid.partition("[")[0] in listed or _file(item.nodeid) in listed:
             item.add_marker("slow")
-    items.sort(key=lambda item: item.nodeid.partition("::")[0] not in files)
+    items.sort(key=lambda item: files.get(_file(item.nodeid), len(files)))
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
 
 
 @pytest.fixture(autouse=True)
