@@ -115,8 +115,7 @@ def case_1() -> None:
     print(f"| matrix: derivatives, blocks, factors | {matrix:.1f} | {whole.matrices:.3f} |")
     print(f"| record | {whole.step - bare.step:.2f} | 1 |")
     print(
-        f"| history, prediction, works, validity | {others - matrix * whole.matrices:.2f} | "
-        "1 |\n"
+        f"| history, prediction, works, validity | {others - matrix * whole.matrices:.2f} | 1 |\n"
     )
 
 
