@@ -25,9 +25,11 @@ COMPILED := tests/solver/compiler tests/solver/test_rigid.py
 FAST := $(COMPILED) tests/solver/test_restart.py tests/superelement tests/results \
   $(addprefix tests/cli/test_,run.py check.py init.py completion.py preprocess.py schemas.py) \
   tests/preprocess/body
-# What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; compiler and readers on the newest.
+# What each newer Python is for: MPI and PETSc come as wheels from 3.12 on; the compiler, of small functions, and readers on
+# the newest. Both run the code of the wheel.
 TESTS_OF_3.12 := tests/solver/test_rigid.py tests/preprocess/parallel
-TESTS_OF_3.13 := $(COMPILED) tests/cli/test_run.py tests/cli/test_preprocess.py tests/superelement/test_file.py \
+TESTS_OF_3.13 := $(addprefix tests/solver/compiler/test_,machine_code.py dual.py typed.py struct.py) \
+  tests/solver/test_rigid.py tests/cli/test_run.py tests/cli/test_preprocess.py tests/superelement/test_file.py \
   $(addprefix tests/results/test_,file.py old_files.py netcdf.py)
 PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solver/test_blocks.py \
   --hypothesis-profile=faults tests/solver/properties/test_conservation.py
@@ -36,6 +38,8 @@ PLAIN := tests/solver/test_rotations.py tests/solver/test_tangents.py tests/solv
 .PHONY: help demo test slow-test lint validation large-validation fuzz benchmark soak mutants docs notebooks constraints clean
 .PHONY: wheel wheel-test platform-test plain-test coverage python-test lowest-test audit release
 .DELETE_ON_ERROR:
+# What a pattern makes on the way is not removed again.
+.PRECIOUS: $(CI)/%/.installed $(CI)/%/.wheel
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' $(MAKEFILE_LIST)
@@ -87,8 +91,7 @@ coverage: $(CI)/3.11/.wheel ## the branches that all tests take, compiled code a
 	$(CI)/3.11/bin/coverage combine --keep --quiet --data-file=$(CI)/.coverage $(CI)/coverage.*
 	$(CI)/3.11/bin/python .ci/coverage_table.py $(CI)/.coverage
 
-# On 3.12 with the code of the wheel, whatever the environment asks for.
-python-test: export DUHAMEL_COMPILER := $(if $(filter 3.12,$(VERSION)),,$(DUHAMEL_COMPILER))
+python-test: export DUHAMEL_COMPILER :=
 python-test: $(CI)/$(VERSION)/.wheel ## the wheel on another Python, VERSION=3.13: tests of compiled code and readers, on 3.12 of MPI
 	$(CI)/$(VERSION)/bin/python .ci/check_wheel.py build/wheel/*.whl
 	$(CI)/$(VERSION)/bin/pytest -q --complete $(TESTS_OF_$(VERSION))
