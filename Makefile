@@ -120,7 +120,7 @@ soak: $(VENV)/.installed ## ten million steps, two hundred bodies, every bad val
 mutants: $(VENV)/.installed ## faults put into the core, and which the tests do not notice; takes half an hour
 	nice $(BIN)/python tools/mutate.py $(CORE)
 
-benchmark: $(VENV)/.benchmark ## timed work and ratios to peers, in build/benchmarks.md; takes 90 minutes
+benchmark: $(VENV)/.benchmark ## timed work and ratios to peers, in build/benchmarks.md; takes an hour
 	$(BIN)/python benchmarks
 
 docs: $(TOOLS)/.docs build/types/.linked ## the documentation as a site in build/site; warnings are errors
