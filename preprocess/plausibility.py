@@ -130,7 +130,7 @@ def doubts_on_mesh(body: Body, source: MeshSource) -> Iterator[str]:
     fastest = source.resolution(0.5 / step)
     if fastest.nodes < MIN_WAVE_SPACINGS:
         yield (
-            f"impulse.step = {step:g} s: the shortest wave that it follows is {fastest.nodes:.2g} "
+            f"impulse.step = {step:g} s: the shortest wave that it follows is {fastest.nodes:.3g} "
             f"of the spacing of the nodes, expected {MIN_WAVE_SPACINGS:g} or more: "
             "nothing on this mesh is so fast"
         )

@@ -398,7 +398,14 @@ class Evaluated(NamedTuple):
 
 
 def _meant(kind: str) -> str:
-    """The quantities that a name which is none may stand for, as a question."""
+    """The quantities that a name which is none may stand for, as a question.
+
+    Python writes pin.force.z where commands and files have force:pin:z.
+    """
+    parts = kind.split(".")
+    for i in range(1, len(parts)):
+        if parts[i] in KINDS_BY_NAME:
+            return f"did you mean '{':'.join([parts[i], '.'.join(parts[:i]), *parts[i + 1 :]])}'? "
     begun = [known for known in KINDS_BY_NAME if kind and known.startswith(kind)]
     near = begun or get_close_matches(kind, KINDS_BY_NAME, cutoff=0.75)
     return f"did you mean {' or '.join(map(repr, near[:3]))}? " if near else ""

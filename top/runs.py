@@ -92,7 +92,9 @@ class Run:
         found = self._owners().get(name)
         if found is None:
             known = ", ".join(self._owners()) or "none"
-            raise QuantityError(f"nothing is named {name!r}; there are: {known}")
+            owner, _, attribute = str(name).partition(".")
+            meant = f"did you mean run[{owner!r}].{attribute}? " if owner in self._owners() else ""
+            raise QuantityError(f"nothing is named {name!r}; {meant}there are: {known}")
         return found(name)
 
     def __repr__(self) -> str:

@@ -36,6 +36,7 @@ def demo(folder: DemoFolder = Path("duhamel-demo")) -> None:
         with _told(results_file, "the motion"):
             model = solver.read_model(folder / "model.toml")
             results = solver.simulate(model, output=results_file)
+        typer.echo(one_line(results.validity.summary))
         # Films and reports have libraries of their own, which a demonstration is no reason for.
         if find_spec("plotly") and find_spec("jinja2"):
             with _told(report, "a page for any browser"):

@@ -75,11 +75,15 @@ def _preprocess(body_file: Path, output: Path | None, build: "Callable[..., Supe
         # Before hours of work, not after them.
         superelement.require_writable(target)
         files.require_no_input(target, [body_file, *preprocess.files_of(body)])
-    doubts = list(preprocess.doubts_of_body(body))
-    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
-        element = build(body, progress=True, on_warning=doubts.append)
-    for doubt in doubts:
+
+    def tell(doubt: str) -> None:
+        """At once: a wrong unit makes the build long, and its error another one."""
         typer.echo(one_line(f"warning: {body_file}: {doubt}"), err=True)
+
+    for doubt in preprocess.doubts_of_body(body):
+        tell(doubt)
+    with errors_in_one_line(preprocess, superelement, about=body_file), unwritten(target):
+        element = build(body, progress=True, on_warning=tell)
     with errors_in_one_line(superelement):
         superelement.write(element, target)
     if element.modes is not None and element.modes.chain is not None:

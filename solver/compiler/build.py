@@ -100,8 +100,7 @@ def build(
 
 
 def _kept_or_typed(k: int, surfaces: bool) -> bytes:
-    module = kept_module(k, surfaces)
-    if module is None:
+    if (module := kept_module(k, surfaces)) is None:
         module = _typed(k, surfaces)
         keep_module(k, surfaces, module)
     return module

@@ -19,6 +19,7 @@ def test_a_demonstration_goes_from_a_mesh_to_a_film(tmp_path):
     results = Results.read(folder / "model-results.h5")
     # The crank runs up to 3000 revolutions a minute.
     assert results.body("crank").angular_velocity[-1, 2] == pytest.approx(314.159, rel=1e-6)
+    assert results.validity.summary in done.output.splitlines()
     assert done.output.splitlines()[-1].startswith("next: change")
     again = CliRunner().invoke(app, ["demo", str(folder)])
     assert again.exit_code == 1

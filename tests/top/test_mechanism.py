@@ -161,6 +161,8 @@ def test_a_run_has_its_parts_by_name_and_by_handle(element):
     np.testing.assert_array_equal(run[m["rod"]["tip"]].u, results.frame("rod.tip").u)
     np.testing.assert_array_equal(run[m["rod"]].x, results.body("rod").x)
     assert run["stop"].gap.shape == run["motor"].torque.shape == run.time.shape
+    with pytest.raises(QuantityError, match=r"; did you mean run\['hinge'\].angle\? there are: "):
+        run["hinge.angle"]
     with pytest.raises(QuantityError, match=r"nothing is named 'leg'; there are: .*hinge.*rod.tip"):
         run["leg"]
 
