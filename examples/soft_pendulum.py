@@ -75,7 +75,10 @@ def in_parts(model: solver.Model) -> solver.Model:
     part = solver.FlexibleBody(
         preprocess.build(body), solver.Start(position=[0.5 * L / PARTS, 0, 0])
     )
-    bodies, joints = {"part_1": part}, [replace(model.joints[0], between=("ground", "part_1.root"))]
+    bodies, joints = (
+        {"part_1": part},
+        [replace(model.joints[0], frame_a="ground", frame_b="part_1.root")],
+    )
     for n in range(1, PARTS):
         before = f"part_{n}.tip"
         start = solver.Start(place=solver.Place("root", before))
