@@ -213,8 +213,7 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
 def _expected_seconds(targets: Sequence[CodeTarget]) -> int:
     """As measured on a virtual server of 2026."""
     kinds = {(target.derivatives, target.surfaces) for target in targets}
-    typing = [kind for kind in kinds if kept_module(*kind) is None]
-    return sum(TYPING_SECONDS[k > 0, surfaces] for k, surfaces in typing) + sum(
+    return sum(TYPING_SECONDS[k > 0, s] for k, s in kinds if kept_module(k, s) is None) + sum(
         EMITTING_SECONDS[target.derivatives > 0, target.surfaces] for target in targets
     )
 

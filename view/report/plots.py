@@ -136,7 +136,8 @@ def _of_kind(results: Results, name: str) -> Iterator[Plot]:
             found.append(_length(results, name, owner))
     title = name.replace("_", " ")
     if len(roles) > 1:
-        title += f" of {' and '.join(f'{role.lower()}s' for role in roles)}"
+        there = [role.lower().replace("_", " ") for role in roles if names_in_role(results, role)]
+        title += f" of {' and '.join(f'{role}s' for role in there)}"
     for unit in dict.fromkeys(curve.unit for curve in found):
         yield from _largest(title, [curve for curve in found if curve.unit == unit])
 

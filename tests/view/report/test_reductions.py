@@ -52,6 +52,12 @@ def test_a_single_step_of_a_million_is_not_lost_in_a_plot(results):
                 assert max(shown) == pytest.approx(np.nanmax(curve.values), rel=1e-6)
 
 
+def test_titles_name_in_words_what_the_run_has(results):
+    titles = {plot.title for _, group in plots(results) for plot in group}
+    assert any(title.startswith("force of joints") for title in titles)
+    assert not {title for title in titles if "_" in title or "surface" in title}
+
+
 def test_simplified_surfaces_stay_where_they_were():
     ball = sphere(1.0)
     points = np.vstack([ball.points, ball.points + np.array([3.0, 0, 0])])
