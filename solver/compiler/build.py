@@ -31,6 +31,7 @@ from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables
 from . import dual
 from .calls import call_intrinsic
 from .dual import DOUBLE, Dual
+from .emission import emitted
 from .foreign import call_by_address
 from .marks import (
     COMPILED_ENTRIES,
@@ -54,8 +55,6 @@ NUMBA_OPTIONS = {
     "_nrt": False,
 }
 """sums may be reordered, for vector instructions; nothing else is relaxed"""
-# At 3 LLVM takes a second more, and a step as long as at 1.
-LLVM_OPTIMIZATION = 1
 NEEDLESS_PASSES = frozenset(
     {InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites}
 )
@@ -77,26 +76,19 @@ def main() -> None:
 
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]], _kept_or_typed):
+        for code in build([COMPILED_TARGETS[name] for name in sys.argv[1:]], kept=True):
             output.write(OBJECT_MARK + code)
 
 
-def build(
-    targets: Iterable[CodeTarget], typed: Callable[[int, bool], bytes] | None = None
-) -> list[bytes]:
+def build(targets: Iterable[CodeTarget], kept: bool = False) -> list[bytes]:
     """An object file of all entries for each target; any exception where numba is not as expected.
 
-    typed: the module of all entries as bitcode, of numbers with k derivatives, with contacts of
-    surfaces or without; by default it is made here. One serves all targets, and the code is the
-    same whether it was kept or made now.
+    kept: typed modules may be those of earlier builds, and are left for later ones. One serves all
+    targets that have as many derivatives, and contacts of surfaces or none.
     """
-    typed = cache(typed or _typed)
-    codes = []
+    typed = cache(_kept_or_typed if kept else _typed)
     with _fewer_collections():
-        for target in targets:
-            module = llvm.parse_bitcode(typed(target.derivatives, target.surfaces))
-            codes.append(_emitted(module, target))
-    return codes
+        return [emitted(typed(target.derivatives, target.surfaces), target) for target in targets]
 
 
 def _kept_or_typed(k: int, surfaces: bool) -> bytes:
@@ -107,6 +99,7 @@ def _kept_or_typed(k: int, surfaces: bool) -> bytes:
 
 
 def _typed(k: int, surfaces: bool) -> bytes:
+    """All entries, of numbers with k derivatives, and what they call, as LLVM's bitcode."""
     libraries: list[Any] = []
     dispatchers = _dispatchers(libraries, k, SURFACE_FUNCTIONS if k and not surfaces else set())
     module = _linked(_entry_module(dispatchers, k), libraries)
@@ -209,38 +202,6 @@ def _linked(module: Any, libraries: list[Any]) -> Any:
     return final
 
 
-def _emitted(module: Any, target: CodeTarget) -> bytes:
-    """A module, optimized for a target: its vectors have other lengths on another processor."""
-    machine = _machine(target)
-    if not target.is_loaded:
-        module.triple = target.triple or llvm.get_process_triple()
-        module.data_layout = str(machine.target_data)
-        for function in module.functions:
-            if not function.is_declaration and function.linkage != llvm.Linkage.internal:
-                # Two libraries in one process must not call each other's functions of this name.
-                function.visibility = "hidden"
-    _optimize(module, machine)
-    return bytes(machine.emit_object(module))
-
-
-def _optimize(module: Any, machine: Any) -> None:
-    # straight code is not turned into vector instructions: it makes the step a tenth slower
-    if hasattr(llvm, "create_pass_builder"):
-        tuning = llvm.create_pipeline_tuning_options(speed_level=LLVM_OPTIMIZATION)
-        tuning.loop_vectorization, tuning.slp_vectorization = True, False
-        builder = llvm.create_pass_builder(machine, tuning)
-        builder.getModulePassManager().run(module, builder)
-        return
-    older = llvm.create_pass_manager_builder()  # llvmlite 0.43
-    older.opt_level = 3  # at 1 nothing is inlined: a step takes half as long again
-    older.loop_vectorize, older.slp_vectorize = True, False
-    older.inlining_threshold = 225
-    manager = llvm.create_module_pass_manager()
-    machine.add_analysis_passes(manager)
-    older.populate(manager)
-    manager.run(module)
-
-
 def _with_linked(libraries: list[Any]) -> list[Any]:
     """Those of the compiled functions, and those of numba's own that they use, such as max."""
     waiting, found = list(libraries), {}
@@ -250,22 +211,6 @@ def _with_linked(libraries: list[Any]) -> list[Any]:
             found[id(library)] = library
             waiting += library._linking_libraries
     return list(found.values())
-
-
-def _machine(target: CodeTarget) -> Any:
-    """What emits code for a target."""
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    chosen = llvm.Target.from_triple(target.triple or llvm.get_process_triple())
-    own = "" if target.cpu else llvm.get_host_cpu_features().flatten()
-    linking = {"reloc": "pic", "codemodel": "default"}
-    loading = {"reloc": "static", "codemodel": "jitdefault", "jit": True}
-    return chosen.create_target_machine(
-        cpu=target.cpu or llvm.get_host_cpu_name(),
-        features=own,
-        opt=LLVM_OPTIMIZATION,
-        **(loading if target.is_loaded else linking),
-    )
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]

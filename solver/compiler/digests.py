@@ -18,7 +18,9 @@ import numpy as np
 from . import marks
 from .targets import COMPILED_TARGETS, HOST_TARGET
 
-COMPILER_FILES = ("build", "calls", "dispatch", "marks", "numba_types", "struct", "targets")
+COMPILER_FILES = (
+    *("build", "calls", "dispatch", "emission", "marks", "numba_types", "struct", "targets"),
+)
 """the files of this folder that machine code depends on"""
 DERIVATIVE_FILES = ("dual", "dual_arithmetic", "dual_calls")
 """those that it depends on beside these where numbers have derivatives"""

@@ -30,12 +30,11 @@ from .typed import kept_module
 
 MAX_OBJECT_FILES = 16
 """object files that stay in the cache, the newest ones"""
-TYPING_SECONDS = {(False, False): 40, (True, False): 30, (True, True): 50}
-"""by whether numbers have derivatives, and contacts surfaces"""
-EMITTING_SECONDS = {(False, False): 12, (True, False): 8, (True, True): 13}
-"""the same, for each target"""
 KEPT_STOCK = 2
 """folders of the stock compiler that stay, some 20 MB each"""
+BUILD_SECONDS = {(False, False): (40, 12), (True, False): (30, 8), (True, True): (50, 13)}
+"""to type functions, and to emit them for each target, on a virtual server of 2026; by whether
+numbers have derivatives, and contacts surfaces"""
 
 _lock = threading.RLock()
 _engines: list[Any] = []
@@ -211,11 +210,9 @@ def _built_codes(targets: Sequence[str]) -> list[bytes]:
 
 
 def _expected_seconds(targets: Sequence[CodeTarget]) -> int:
-    """As measured on a virtual server of 2026."""
-    kinds = {(target.derivatives, target.surfaces) for target in targets}
-    return sum(TYPING_SECONDS[k > 0, s] for k, s in kinds if kept_module(k, s) is None) + sum(
-        EMITTING_SECONDS[target.derivatives > 0, target.surfaces] for target in targets
-    )
+    kinds = [(target.derivatives, target.surfaces) for target in targets]
+    typing = sum(BUILD_SECONDS[k > 0, s][0] for k, s in set(kinds) if kept_module(k, s) is None)
+    return typing + sum(BUILD_SECONDS[k > 0, s][1] for k, s in kinds)
 
 
 def _built_here(targets: Sequence[str]) -> list[bytes]:

@@ -36,7 +36,7 @@ def typed(monkeypatch):
 
 
 def built(*targets):
-    return build.build(targets, build._kept_or_typed)
+    return build.build(targets, kept=True)
 
 
 def test_functions_are_typed_once_for_all_targets_and_builds(folder, typed):
