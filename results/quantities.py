@@ -7,7 +7,8 @@ across a contact are (n, 2), along its tangents t1 and t2. What was recorded has
 record gives it (motion.py); a few kinds more are computed here.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from .motion import INPUT_UNITS, OWNERS_OF_GROUP, QUANTITIES, BodyMotion, Energy
 from .quantity import Quantity, lacking, readable
 from .results import Results
 from .rotations import inverse, product, rotate, twists
+from .spelling import quantity_of
 
 AXES, TANGENTS = DIMENSIONS["axis"].entries, DIMENSIONS["tangent_axis"].entries
 # Vectors in these units act about an axis; all others act along one.
@@ -397,15 +399,18 @@ class Evaluated(NamedTuple):
     """what its whole numbers mean"""
 
 
-def _meant(kind: str) -> str:
-    """The quantities that a name which is none may stand for, as a question.
+def _meant(results: Results, kind: str) -> str:
+    """The quantities that a name which is none may stand for, as a question."""
+    roles = {role for one in KINDS_BY_NAME.values() for role in "|".join(one.names).split("|")}
+    owners = [name for role in roles - {""} for name in names_in_role(results, role)]
 
-    Python writes pin.force.z where commands and files have force:pin:z.
-    """
-    parts = kind.split(".")
-    for i in range(1, len(parts)):
-        if parts[i] in KINDS_BY_NAME:
-            return f"did you mean '{':'.join([parts[i], '.'.join(parts[:i]), *parts[i + 1 :]])}'? "
+    def coordinates(joint: str) -> Collection[str]:
+        return _coordinates(results, joint) if joint in results.joints else ()
+
+    with suppress(QuantityError):
+        meant = quantity_of(kind, KINDS_BY_NAME, owners, coordinates)
+        if meant.partition(":")[0] in KINDS_BY_NAME:
+            return f"did you mean {meant!r}? "
     begun = [known for known in KINDS_BY_NAME if kind and known.startswith(kind)]
     near = begun or get_close_matches(kind, KINDS_BY_NAME, cutoff=0.75)
     return f"did you mean {' or '.join(map(repr, near[:3]))}? " if near else ""
@@ -451,7 +456,7 @@ def evaluate(results: Results, quantity: str) -> Evaluated:
         )
     if kind_name not in KINDS_BY_NAME:
         raise QuantityError(
-            f"{quantity}: no quantity {kind_name!r}; {_meant(kind_name)}there are: "
+            f"{quantity}: no quantity {kind_name!r}; {_meant(results, kind_name)}there are: "
             f"{', '.join(map(usage, KINDS_BY_NAME))}"
         )
     kind = KINDS_BY_NAME[kind_name]

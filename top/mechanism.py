@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar, overlo
 import numpy as np
 from duhamel import solver, superelement, view
 from duhamel.inputs import FORM_OF_NAMES, is_name, quoted
+from duhamel.results.quantities import KINDS_BY_NAME
+from duhamel.results.spelling import quantity_of
 from duhamel.solver.model.bodies import Body, Place, Start
 from duhamel.solver.model.model import numbered
 from duhamel.solver.schema.values import Framed, direction, frame_name
@@ -19,7 +21,6 @@ from numpy.typing import ArrayLike
 
 from .parts import Part
 from .pictures import embedded
-from .quantities import quantity_of
 from .runs import Run
 
 if TYPE_CHECKING:
@@ -832,7 +833,7 @@ class Mechanism:
         frames = [f"{name}.{frame}" for name, body in self.bodies.items() for frame in body.frames]
         joints = {joint.name: joint.coordinates for joint in self._entries["joints"]}
         owners = [*self.bodies, *frames, *(entry.name for entry in self._named())]
-        return quantity_of(text, owners, lambda owner: joints.get(owner, ()))
+        return quantity_of(text, KINDS_BY_NAME, owners, lambda owner: joints.get(owner, ()))
 
     def _named(self) -> Iterable[Any]:
         return (

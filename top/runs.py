@@ -8,11 +8,12 @@ from duhamel import view
 from duhamel.results import QuantityError, Results
 from duhamel.results.exports.data_frames import to_pandas
 from duhamel.results.peaks import Peak, peaks
+from duhamel.results.quantities import KINDS_BY_NAME
+from duhamel.results.spelling import owner_in, quantity_of
 from duhamel.results.validity import Validity
 from duhamel.superelement.validation import Array
 
 from .pictures import Picture
-from .quantities import quantity_of
 
 
 class Peaks(tuple[Peak, ...]):
@@ -92,8 +93,9 @@ class Run:
         found = self._owners().get(name)
         if found is None:
             known = ", ".join(self._owners()) or "none"
-            owner, _, attribute = str(name).partition(".")
-            meant = f"did you mean run[{owner!r}].{attribute}? " if owner in self._owners() else ""
+            owner, words = owner_in(str(name), self._owners()) or ("", [""])
+            has_it = bool(owner) and hasattr(self[owner], words[0])
+            meant = f"did you mean run[{owner!r}].{words[0]}? " if has_it else ""
             raise QuantityError(f"nothing is named {name!r}; {meant}there are: {known}")
         return found(name)
 
@@ -157,7 +159,7 @@ class Run:
         def coordinates(owner: str) -> Collection[str]:
             return self.results.joint(owner).coordinates if owner in joints else ()
 
-        return quantity_of(text, self._owners(), coordinates)
+        return quantity_of(text, KINDS_BY_NAME, self._owners(), coordinates)
 
     def _owners(self) -> dict[str, Callable[[str], Any]]:
         """What has a motion, forces or readings, by name, and how it is read."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from duhamel import solver, superelement
 from duhamel.results import QuantityError
+from duhamel.results.quantities import evaluate
 
 STEEL = du.Material(E=210e9, nu=0.3, rho=7850.0)
 
@@ -163,6 +164,10 @@ def test_a_run_has_its_parts_by_name_and_by_handle(element):
     assert run["stop"].gap.shape == run["motor"].torque.shape == run.time.shape
     with pytest.raises(QuantityError, match=r"; did you mean run\['hinge'\].angle\? there are: "):
         run["hinge.angle"]
+    with pytest.raises(QuantityError, match=r"; did you mean run\['rod.tip'\].u\? there are: "):
+        run["rod.tip.u.x"]
+    with pytest.raises(QuantityError, match=r"nothing is named 'hinge.angel'; there are: "):
+        run["hinge.angel"]
     with pytest.raises(QuantityError, match=r"nothing is named 'leg'; there are: .*hinge.*rod.tip"):
         run["leg"]
 
@@ -183,6 +188,9 @@ def test_quantities_are_named_by_owner_and_attribute(element, words, quantity):
     run = pendulum(element).simulate(1e-3)
     assert run._quantity(words) == quantity
     assert run.plot(words).figure.axes
+    if words != quantity:
+        with pytest.raises(QuantityError, match=f"did you mean '{quantity}'"):
+            evaluate(run.results, words)
     with pytest.raises(QuantityError, match="nothing is named so"):
         run.plot("leg.angle")
 
