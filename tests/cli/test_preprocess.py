@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 from duhamel.cli import app
+from duhamel.preprocess import MethodError
 from duhamel.superelement import read
 
 BODY = """
@@ -91,6 +92,22 @@ def test_what_a_mesh_loses_is_one_line_on_stderr(runner, body_file):
         f"warning: {body_file.with_name('mesh.inp')}: left out: elements of type MASS (1)"
     ]
     assert body_file.with_name("body.h5").is_file()
+
+
+def test_doubts_about_a_mesh_come_before_the_error_they_explain(runner, body_file, monkeypatch):
+    """As of coordinates in millimeters, which make the build long and its error another one."""
+
+    def fail(*_):
+        raise MethodError("too much for this machine")
+
+    module = importlib.import_module("duhamel.preprocess.build")
+    monkeypatch.setattr(module, "impulse_responses", fail)
+    body_file.write_text(BODY.replace("\n[section]", "scale = 1e3\n[section]"))
+    result = runner.invoke(app, ["preprocess", str(body_file)])
+    assert result.exit_code == 1
+    doubt, *_, error = [line for line in result.stderr.splitlines() if line.strip()]
+    assert doubt.startswith(f"warning: {body_file}: the mesh is 500 m large")
+    assert "too much for this machine" in error
 
 
 @pytest.mark.parametrize("name", ["body.toml", "mesh.vtk"])
